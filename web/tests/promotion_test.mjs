@@ -12,7 +12,7 @@ import { folder, program, run, serve } from "./program.mjs";
 
 const place = folder();
 const password = "long enough to guess";
-const speed = 8;  // times real time
+const speed = 5;  // times real time
 let press;
 
 /** A press of one cylinder with a leak that its model does not know, on the wire. */
@@ -62,8 +62,10 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   await page.goto(`${address}#view=trends&p=K`);
   await page.waitForSelector(".trend-plot canvas");
   await page.click("button:has-text('Open these strokes in the workbench')");
-  await page.waitForSelector("[data-verdict=named]");
-  assert.match(await page.locator(".headline").first().innerText(), /misses/);
+  const verdict = await page.waitForSelector("[data-verdict]");
+  const said = await page.locator(".headline").first().innerText();
+  assert.equal(await verdict.getAttribute("data-verdict"), "named", said);
+  assert.match(said, /misses/);
   await page.goto(`${address}#view=workbench&step=compare`);
   await page.waitForSelector(".centre .plot canvas");
   await page.goto(`${address}#view=workbench&step=add&effect=internal_leakage`);
