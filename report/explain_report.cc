@@ -13,6 +13,7 @@
 #include "report/report_page.h"
 #include "report/report_plots.h"
 #include "report/svg_text.h"
+#include "report/unranked_effects.h"
 #include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
@@ -142,20 +143,12 @@ std::string Ranking(const ExplainResult& result) {
              "Model error left when the effect is added, on strokes left out; best first. 0 % is "
              "the level of sensor noise. Green: the verdict. Grey: not significant. Right: "
              "fitted size with its 95 % interval.");
-  std::string rows;
-  const auto row = [&](const std::string& id, const std::string& why) {
-    rows += "<tr><td>" + EscapeText(id) + "</td><td>" + EscapeText(why) + "</td></tr>";
-  };
+  std::vector<std::pair<std::string, std::string>> unranked;
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable || !ranked.fit.solved) row(ranked.id, ranked.why_not.english);
+    if (!ranked.testable || !ranked.fit.solved) unranked.emplace_back(ranked.id, ranked.why_not.english);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
-    row(unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
-  if (!rows.empty())
-    out +=
-        "<div class=\"sheet ids\"><table><tr><th>Not in the ranking</th><th>Why (which does not mean "
-        "absent)</th></tr>" +
-        rows + "</table></div>\n";
-  return out;
+    unranked.emplace_back(unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
+  return out + UnrankedEffects(unranked);
 }
 
 std::string Parameters(const ExplainResult& result) {

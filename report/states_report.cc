@@ -16,6 +16,7 @@
 #include "report/report_page.h"
 #include "report/svg_rows.h"
 #include "report/svg_text.h"
+#include "report/unranked_effects.h"
 #include "workbench/states/experiment_output.h"
 #include "workbench/states/states_warnings.h"
 #include "workbench/states/states_words.h"
@@ -222,7 +223,6 @@ std::string Ranking(const StatesExplained& e) {
   plot.bars = true;
   plot.level = words.factor * e.base.rms_holdout;
   plot.level_label = "model as it is";
-  std::string rows;
   for (const StateCandidate& candidate : x.ranking) {
     const std::string& id = candidate.added.front();
     if (x.not_seen.contains(id)) continue;
@@ -232,19 +232,13 @@ std::string Ranking(const StatesExplained& e) {
                          FormatShort(rms) + (candidate.fitted() ? "" : " (by linearisation)"),
                          chosen ? Ink::kGreen : Ink::kNeutral, chosen});
   }
-  for (const auto& [id, seen] : x.not_seen)
-    rows +=
-        fmt::format("<tr><td>{}</td><td>{}</td></tr>", EscapeText(id), EscapeText(WhyNotSeen(x, id).english));
+  std::vector<std::pair<std::string, std::string>> unranked;
+  for (const auto& [id, seen] : x.not_seen) unranked.emplace_back(id, WhyNotSeen(x, id).english);
   std::string out;
   if (!plot.rows.empty())
     out = "<h2>Every effect, tried alone</h2>\n" +
           Figure(RenderRows(plot), "Error left when the effect is added, best first. Green: the verdict.");
-  if (!rows.empty())
-    out +=
-        "<div class=\"sheet ids\"><table><tr><th>Not in the ranking</th><th>Why (which does not mean "
-        "absent)</th></tr>" +
-        rows + "</table></div>\n";
-  return out;
+  return out + UnrankedEffects(unranked);
 }
 
 std::string Parameters(const StatesExplained& e) {

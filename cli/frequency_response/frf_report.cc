@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/frequency_response/bode_plot.h"
+#include "cli/frequency_response/points_json.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/units.h"
@@ -113,24 +114,6 @@ std::string ValveModelText(const ValveModel& m) {
   return text;
 }
 
-nlohmann::json PointJson(const FrequencyPoint& p) {
-  nlohmann::json json = {{"f_hz", p.frequency},
-                         {"gain", p.gain()},
-                         {"phase_deg", p.phase * kDegrees},
-                         {"gain_std", p.GainStd()},
-                         {"phase_std_deg", p.PhaseStd() * kDegrees},
-                         {"coherence", p.coherence},
-                         {"amplitude", p.amplitude},
-                         {"output_amplitude", p.output_amplitude},
-                         {"periods", p.periods}};
-  if (p.dropped > 0) json["transient_s"] = p.dropped;
-  if (!std::isnan(p.output_distortion)) {
-    json["distortion"] = p.output_distortion;
-    json["input_distortion"] = p.input_distortion;
-  }
-  return json;
-}
-
 nlohmann::json ValueJson(const ValueWithStd& v) { return {{"value", v.value}, {"std", v.std}}; }
 
 double MedianAmplitude(const FrequencyResponse& response) {
@@ -187,15 +170,9 @@ nlohmann::json FrfJson(const FrequencyResponse& response, const FrfRecord& log, 
   nlohmann::json json;
   json["method"] = MethodName(response.method);
   json["points"] = nlohmann::json::array();
-  json["left_out"] = nlohmann::json::array();
-  for (const FrequencyPoint& p : response.points) {
-    if (p.reason == PointReason::kUsed) {
-      json["points"].push_back(PointJson(p));
-    } else {
-      json["left_out"].push_back(
-          {{"f_hz", p.frequency}, {"reason", PointReasonName(p.reason)}, {"coherence", p.coherence}});
-    }
-  }
+  for (const FrequencyPoint& p : response.points)
+    if (p.reason == PointReason::kUsed) json["points"].push_back(FrequencyPointJson(p));
+  json["left_out"] = LeftOutPointsJson(response.points);
   if (response.model) {
     const ValveModel& m = *response.model;
     json["model"] = {{"f0_hz", ValueJson(m.natural_frequency)},

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/frequency_response/bode_plot.h"
+#include "cli/frequency_response/points_json.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "models/closed_loop.h"
@@ -84,16 +85,10 @@ nlohmann::json PointsJson(const LoopResponse& response) {
   for (const FrequencyPoint& p : response.points) {
     if (p.reason != PointReason::kUsed) continue;
     const std::complex<double> direct = DirectAt(response, p);
-    points.push_back({{"f_hz", p.frequency},
-                      {"gain", p.gain()},
-                      {"phase_deg", p.phase * kDegrees},
-                      {"gain_std", p.GainStd()},
-                      {"phase_std_deg", p.PhaseStd() * kDegrees},
-                      {"coherence", p.coherence},
-                      {"amplitude", p.amplitude},
-                      {"output_amplitude", p.output_amplitude},
-                      {"direct_gain", std::abs(direct)},
-                      {"direct_phase_deg", p.phase * kDegrees + std::arg(direct / p.response) * kDegrees}});
+    nlohmann::json point = FrequencyPointJson(p);
+    point["direct_gain"] = std::abs(direct);
+    point["direct_phase_deg"] = p.phase * kDegrees + std::arg(direct / p.response) * kDegrees;
+    points.push_back(std::move(point));
   }
   return points;
 }
@@ -125,7 +120,7 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
   nlohmann::json json = {{"method", "closed_loop"},
                          {"points", PointsJson(response)},
-                         {"left_out", nlohmann::json::array()},
+                         {"left_out", LeftOutPointsJson(response.points)},
                          {"model", nullptr},
                          {"set_point", plant.set_point},
                          {"input", plant.input},
@@ -140,10 +135,6 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
                          {"rows", measured.log.rows},
                          {"rows_left_out", measured.log.left_out},
                          {"warnings", WarningsOf(measured, machine)}};
-  for (const FrequencyPoint& p : response.points)
-    if (p.reason != PointReason::kUsed)
-      json["left_out"].push_back(
-          {{"f_hz", p.frequency}, {"reason", PointReasonName(p.reason)}, {"coherence", p.coherence}});
   if (response.input_limit) json["input_limit"] = *response.input_limit;
   if (response.direct_bias)
     json["direct_bias"] = {{"from_hz", response.direct_bias->lowest},
