@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "core/result.h"
+#include "core/told.h"
 
 namespace hydroscope {
 
@@ -29,7 +30,7 @@ struct SampleBatch {
 struct SourceStatus {
   std::string name;        ///< "dds hydroscope/press/samples", "modbus 127.0.0.1:1502"
   bool connected = false;  ///< a sender is there
-  std::string state;       ///< one sentence for people: what it does now, or what is wrong and what to do
+  Told state;              ///< one sentence for people: what it does now, or what is wrong and what to do
   HostTime last_received;  ///< zero if never
   std::int64_t batches = 0, rows = 0;
   std::int64_t lost_rows = 0;  ///< known from sequence numbers

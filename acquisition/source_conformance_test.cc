@@ -112,7 +112,7 @@ class SourceConformance : public ::testing::TestWithParam<Kind> {
 TEST_P(SourceConformance, DeliversEveryChannelInOrderWithStamps) {
   Live();
   Start();
-  ASSERT_TRUE(sink_.WaitForMore(GetParam().numbered ? 500 : 20)) << source_->status().state;
+  ASSERT_TRUE(sink_.WaitForMore(GetParam().numbered ? 500 : 20)) << source_->status().state.english;
   source_->Stop();
   std::uint64_t next = sink_.batches().front().first_sequence;
   for (const SampleBatch& batch : sink_.batches()) {
@@ -137,22 +137,22 @@ TEST_P(SourceConformance, DeliversEveryChannelInOrderWithStamps) {
 
 TEST_P(SourceConformance, WaitsForASenderThatComesLater) {
   Start();
-  ASSERT_TRUE(WaitUntil([&] { return source_->status().state != "connecting"; }));
+  ASSERT_TRUE(WaitUntil([&] { return source_->status().state.english != "connecting"; }));
   EXPECT_FALSE(source_->status().connected);
   Live();
-  EXPECT_TRUE(sink_.WaitForMore(5)) << source_->status().state;
+  EXPECT_TRUE(sink_.WaitForMore(5)) << source_->status().state.english;
   EXPECT_TRUE(WaitUntil([&] { return source_->status().connected; }));
 }
 
 TEST_P(SourceConformance, SurvivesTheSendersDeathAndTakesTheNextOne) {
   Live();
   Start();
-  ASSERT_TRUE(sink_.WaitForMore(10)) << source_->status().state;
+  ASSERT_TRUE(sink_.WaitForMore(10)) << source_->status().state.english;
   press_.Kill();
-  EXPECT_TRUE(WaitUntil([&] { return !source_->status().connected; }, 3)) << source_->status().state;
-  EXPECT_NE(source_->status().state, "receiving");
+  EXPECT_TRUE(WaitUntil([&] { return !source_->status().connected; }, 3)) << source_->status().state.english;
+  EXPECT_NE(source_->status().state.english, "receiving");
   Live();
-  EXPECT_TRUE(sink_.WaitForMore(10)) << source_->status().state;
+  EXPECT_TRUE(sink_.WaitForMore(10)) << source_->status().state.english;
   if (GetParam().numbered) {
     EXPECT_TRUE(sink_.WaitForSessions(2)) << "a new life is told by its session";
   }
@@ -163,7 +163,7 @@ TEST_P(SourceConformance, SurvivesTheSendersDeathAndTakesTheNextOne) {
 TEST_P(SourceConformance, StopsAtOnceAndIsSilentAfterwards) {
   Live();
   Start();
-  ASSERT_TRUE(sink_.WaitForMore(5)) << source_->status().state;
+  ASSERT_TRUE(sink_.WaitForMore(5)) << source_->status().state.english;
   const auto begin = std::chrono::steady_clock::now();
   source_->Stop();
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));

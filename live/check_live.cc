@@ -144,7 +144,7 @@ std::string LiveCheckText(const LiveCheck& check) {
   std::string text = fmt::format("listened for {:g} s\n", check.seconds);
   for (const SourceStatus& source : check.sources)
     text += fmt::format("{}: {}; {} rows, {} lost, {} malformed, {} timeouts\n", Printable(source.name),
-                        Printable(source.state), source.rows, source.lost_rows, source.malformed,
+                        Printable(source.state.english), source.rows, source.lost_rows, source.malformed,
                         source.timeouts);
   for (const StreamState& stream : check.streams)
     if (stream.has_clock)
@@ -187,7 +187,8 @@ nlohmann::json LiveCheckJson(const LiveCheck& check) {
   for (const SourceStatus& s : check.sources)
     sources.push_back({{"name", s.name},
                        {"connected", s.connected},
-                       {"state", s.state},
+                       {"state", s.state.english},
+                       {"german", {{"state", s.state.german}}},
                        {"rows", s.rows},
                        {"lost_rows", s.lost_rows}});
   return {{"seconds", check.seconds}, {"sources", sources}, {"channels", channels}, {"clean", check.Clean()}};

@@ -11,6 +11,7 @@
 #include "alarms/press_health.h"
 #include "core/clock.h"
 #include "core/printable.h"
+#include "core/told_error.h"
 #include "live/log.h"
 
 namespace hydroscope {
@@ -186,7 +187,7 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
 
 void DriftWatch::Publish(const Status& done) {
   DriftWatchStatus status;
-  if (!done) status.problem = done.error().text;
+  if (!done) status.problem = ToldOf(done.error());
   const auto standing = [](const std::vector<AlarmState>& alarms) {
     std::vector<std::string> names;
     for (const AlarmState& alarm : alarms)
@@ -218,7 +219,7 @@ void DriftWatch::Publish(const Status& done) {
     if (status.problem.empty())
       LogInfo("judging_again");
     else
-      LogWarning("cannot_judge", {{"why", status.problem}});
+      LogWarning("cannot_judge", {{"why", status.problem.english}});
   }
   status_ = std::move(status);
 }

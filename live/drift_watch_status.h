@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "alarms/health.h"
+#include "core/told.h"
 
 namespace hydroscope {
 
@@ -20,7 +21,7 @@ struct AxisHealth {
 };
 
 struct DriftWatchStatus {
-  std::string problem;  ///< why nothing is judged, "" while all is well
+  Told problem;  ///< why nothing is judged, "" while all is well
   std::vector<AxisHealth> axes;
 };
 

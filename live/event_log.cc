@@ -33,20 +33,21 @@ EventLog::EventLog(std::string journal) : journal_path_(std::move(journal)) {
 
 void EventLog::Look(const LiveStatus& status) {
   for (const SourceStatus& source : status.sources) {
-    const Link now{source.connected, source.state};
+    const Link now{source.connected, source.state.english};
     if (Link& before = sources_[source.name]; std::exchange(before, now) != now)
       (now.connected ? LogInfo : LogWarning)(
           now.connected ? "source_connected" : "source_not_connected",
-          {{"source", Printable(source.name)}, {"state", Printable(source.state)}});
+          {{"source", Printable(source.name)}, {"state", Printable(source.state.english)}});
   }
   for (const FeedStatus& feed : status.feeds) {
     // While it is connected its state counts clients and rows: no event.
-    const Link now{feed.connected, feed.connected ? "" : feed.state};
+    const Link now{feed.connected, feed.connected ? "" : feed.state.english};
     if (Link& before = feeds_[feed.name]; std::exchange(before, now) != now) {
       if (now.connected)
         LogInfo("feed_connected", {{"feed", Printable(feed.name)}});
       else
-        LogWarning("feed_not_connected", {{"feed", Printable(feed.name)}, {"why", Printable(feed.state)}});
+        LogWarning("feed_not_connected",
+                   {{"feed", Printable(feed.name)}, {"why", Printable(feed.state.english)}});
     }
   }
   LookAtSenders(status);

@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "host/resident_memory.h"
 #include "host/text_file.h"
@@ -309,7 +310,7 @@ void LiveService::BeginNewRun(int a, std::vector<WriteItem>& items) {
 Status LiveService::Reload() {
   const auto told = [this](const Status& result) {
     std::lock_guard lock(status_mutex_);
-    status_.limits = result ? "taken over" : result.error().text;
+    status_.limits = result ? Told("taken over", "übernommen") : ToldOf(result.error());
     return result;
   };
   auto model = LoadLiveModel(options_.machine_file);

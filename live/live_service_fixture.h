@@ -78,7 +78,7 @@ class PlayedSource : public Source {
     return {};
   }
   SourceStatus status() const override {
-    return {.name = "played", .connected = true, .state = "receiving", .last_received = {}};
+    return {.name = "played", .connected = true, .state = {"receiving"}, .last_received = {}};
   }
   void Stop() override {
     stop_ = true;

@@ -122,7 +122,7 @@ TEST_F(LiveServiceTest, NewLimitsAreTakenOverWithoutLosingTheState) {
     const Status refused = service.Reload();
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("restart the service"));
-    EXPECT_THAT(service.status().limits, HasSubstr("more than limits"));
+    EXPECT_THAT(service.status().limits.english, HasSubstr("more than limits"));
   });
 }
 

@@ -42,7 +42,8 @@ json CountersJson(const AlignerCounters& c) {
 json SourceJson(const SourceStatus& s, double age) {
   return {{"name", s.name},
           {"connected", s.connected},
-          {"state", s.state},
+          {"state", s.state.english},
+          {"german", {{"state", s.state.german}}},
           {"age_s", Number(age)},
           {"batches", s.batches},
           {"rows", s.rows},
@@ -96,7 +97,7 @@ json AxisJson(const AxisStatus& a) {
 
 json WriterJson(const WriterStatus& w) {
   return {{"state", WriterStateName(w.state)},
-          {"problem", w.problem},
+          {"problem", w.problem.english},
           {"free_bytes", w.free_bytes},
           {"database_bytes", w.database_bytes},
           {"waiting_items", w.waiting_items},
@@ -110,7 +111,8 @@ json WriterJson(const WriterStatus& w) {
           {"refused", w.refused},
           {"pauses", w.pauses},
           {"databases", w.databases},
-          {"begun_anew", w.begun_anew},
+          {"begun_anew", w.begun_anew.english},
+          {"german", {{"problem", w.problem.german}, {"begun_anew", w.begun_anew.german}}},
           {"latency_p50_s", w.latency_p50},
           {"latency_p99_s", w.latency_p99},
           {"latency_max_s", w.latency_max},
@@ -118,8 +120,10 @@ json WriterJson(const WriterStatus& w) {
 }
 
 json FeedJson(const FeedStatus& f) {
-  return {{"name", f.name},           {"connected", f.connected}, {"state", f.state},  {"clients", f.clients},
-          {"delivered", f.delivered}, {"behind", f.behind},       {"errors", f.errors}};
+  return {{"name", f.name},           {"connected", f.connected},
+          {"state", f.state.english}, {"german", {{"state", f.state.german}}},
+          {"clients", f.clients},     {"delivered", f.delivered},
+          {"behind", f.behind},       {"errors", f.errors}};
 }
 
 /// "12.3 bar"; numbers without a unit alone.
@@ -185,7 +189,9 @@ json DriftJson(const DriftWatchStatus& drift) {
                     {"commissioning_needed", a.needed},
                     {"judged_to", a.judged},
                     {"alarms", a.alarms}});
-  return {{"problem", drift.problem}, {"axes", std::move(axes)}};
+  return {{"problem", drift.problem.english},
+          {"german", {{"problem", drift.problem.german}}},
+          {"axes", std::move(axes)}};
 }
 
 std::string DriftText(const json& drift) {
@@ -207,10 +213,19 @@ std::string DriftText(const json& drift) {
 }  // namespace
 
 json StatusJson(const LiveStatus& s) {
-  json out = {{"machine", s.machine},     {"database", s.database},       {"state", s.state},
-              {"counted", s.counted.one}, {"uptime_s", s.uptime},         {"limits", s.limits},
-              {"malformed", s.malformed}, {"heartbeats", s.heartbeats},   {"cpu_s", s.cpu},
-              {"memory_bytes", s.memory}, {"descriptors", s.descriptors}, {"valve_check", s.valve_check}};
+  json out = {{"machine", s.machine},
+              {"database", s.database},
+              {"state", s.state},
+              {"counted", s.counted.one},
+              {"uptime_s", s.uptime},
+              {"limits", s.limits.english},
+              {"malformed", s.malformed},
+              {"heartbeats", s.heartbeats},
+              {"cpu_s", s.cpu},
+              {"memory_bytes", s.memory},
+              {"descriptors", s.descriptors},
+              {"valve_check", s.valve_check.english},
+              {"german", {{"limits", s.limits.german}, {"valve_check", s.valve_check.german}}}};
   for (const char* list : {"sources", "streams", "senders", "channels", "axes", "feeds"})
     out[list] = json::array();
   for (std::size_t i = 0; i < s.sources.size(); ++i)

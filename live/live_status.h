@@ -9,6 +9,7 @@
 #include "acquisition/aligner.h"
 #include "acquisition/source.h"
 #include "alarms/feeds/feed.h"
+#include "core/told.h"
 #include "live/drift_watch_status.h"
 #include "live/inbox.h"
 #include "live/log.h"
@@ -58,7 +59,7 @@ struct LiveStatus {
   CountedWords counted;                  ///< what the machine is judged by
   double uptime = 0;                     ///< s
   std::int64_t taken = 0;                ///< ns, monotonic, when channels and axes were looked at
-  std::string limits;                    ///< result of the last reload, "" = none yet
+  Told limits;                           ///< result of the last reload, "" = none yet
   std::vector<SourceStatus> sources;
   std::vector<double> source_ages;  ///< s since each source received something; NaN: never
   std::vector<StreamState> streams;
@@ -72,7 +73,7 @@ struct LiveStatus {
   double cpu = 0;               ///< s of processor time of the process
   std::int64_t memory = 0;      ///< bytes resident
   int descriptors = 0;          ///< open files
-  std::string valve_check;      ///< what it does now, "" = off
+  Told valve_check;             ///< what it does now, "" = off
   std::vector<FeedStatus> feeds;
   DriftWatchStatus drift;
   std::vector<LogLine> log;  ///< its newest lines, oldest first

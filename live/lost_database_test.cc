@@ -27,7 +27,7 @@ class LostDatabaseTest : public LiveServiceTest {
   void ExpectTheRestInTheSecondDatabase() {
     ASSERT_TRUE(WaitFor([](const WriterStatus& w) {
       return w.databases == 2 && w.state == WriterState::kWriting;
-    })) << service_->status().writer.problem;
+    })) << service_->status().writer.problem.english;
     while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     EXPECT_TRUE(service_->Stop());
     const LiveStatus last = service_->status();
@@ -68,7 +68,7 @@ TEST_F(LostDatabaseTest, OneThatIsDeletedIsBegunAnewWithWhatMemoryHolds) {
     strokes_before_ = w.databases == 1 ? w.strokes : strokes_before_;
     return w.databases == 2;
   }));
-  EXPECT_THAT(service_->status().writer.begun_anew, HasSubstr("deleted, moved or replaced"));
+  EXPECT_THAT(service_->status().writer.begun_anew.english, HasSubstr("deleted, moved or replaced"));
   ExpectTheRestInTheSecondDatabase();
 }
 
@@ -83,9 +83,9 @@ TEST_F(LostDatabaseTest, OneThatIsDamagedIsSetAsideAndBegunAnew) {
     ASSERT_TRUE(WaitFor([this](const WriterStatus& w) {
       strokes_before_ = w.databases == 1 ? w.strokes : strokes_before_;
       return w.databases == 2;
-    })) << service_->status().writer.problem;
+    })) << service_->status().writer.problem.english;
   });
-  EXPECT_THAT(service_->status().writer.begun_anew, HasSubstr("is kept as"));
+  EXPECT_THAT(service_->status().writer.begun_anew.english, HasSubstr("is kept as"));
   int kept = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder_))
     kept += file.path().filename().string().starts_with("press.20") && file.path().extension() == ".db";
@@ -118,7 +118,7 @@ TEST_F(LiveServiceTest, ADatabaseThatIsMovedAwayIsToldAndWrittenAgainWhenItIsBac
   };
   const WriterStatus gone = wait_for(WriterState::kGone);
   EXPECT_EQ(gone.state, WriterState::kGone);
-  EXPECT_THAT(gone.problem, HasSubstr("deleted, moved or replaced"));
+  EXPECT_THAT(gone.problem.english, HasSubstr("deleted, moved or replaced"));
   EXPECT_EQ(gone.steps, 0);
   std::filesystem::rename(File("elsewhere.db"), File("press.db"));
   EXPECT_EQ(wait_for(WriterState::kWriting).state, WriterState::kWriting);

@@ -10,6 +10,7 @@
 #include "alarms/feeds/modbus/register_map.h"
 #include "core/alarm_records.h"
 #include "core/registers.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 namespace {
@@ -74,7 +75,7 @@ Result<ScadaClient> ScadaClient::Connect(const std::string& host, int port) {
   ScadaClient client(std::make_unique<ModbusLink>(host, port, 1, kTimeout));
   if (client.link_->Connect() != LinkOutcome::kDone)
     return BadInput("{}; does `hydroscope serve` run with [feeds.modbus] in its machine file?",
-                    client.link_->problem());
+                    client.link_->problem().english);
   const auto head = client.Read(0, kHeadSize);
   if (!head) return tl::unexpected(head.error());
   if ((*head)[kMagic] != kMagic0 || (*head)[kMagic + 1] != kMagic1)
@@ -92,7 +93,7 @@ Result<ScadaClient::Words> ScadaClient::Read(int first, int count) {
     if (link_->Read(first + at,
                     std::span(words).subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(now))) !=
         LinkOutcome::kDone)
-      return BadInput("{}", link_->problem());
+      return BadInput(link_->problem());
   }
   return words;
 }
@@ -167,8 +168,8 @@ Result<bool> ScadaClient::Acknowledge(int number) {
   const LinkOutcome outcome = link_->WriteRegister(kAcknowledge, static_cast<std::uint16_t>(number));
   if (outcome == LinkOutcome::kException)
     return BadInput("alarm {} was refused ({}); the list shows the numbers there are", number,
-                    link_->problem());
-  if (outcome != LinkOutcome::kDone) return BadInput("{}", link_->problem());
+                    link_->problem().english);
+  if (outcome != LinkOutcome::kDone) return BadInput(link_->problem());
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kOutcomePatience);
   while (std::chrono::steady_clock::now() < end) {
     const auto words = Read(kAcknowledge, 2);

@@ -49,12 +49,12 @@ ServiceTrouble TroubleOf(const WriterStatus& writer) {
   return {reason, Tell("nothing is stored: {}", "nichts wird gespeichert: {}", writer.problem)};
 }
 
-ServiceTrouble NotWatched(const std::string& why) {
+ServiceTrouble NotWatched(const Told& why) {
   if (why.empty()) return {};
   return {HealthReason::kNotWatched, Tell("drift is not watched: {}", "Drift wird nicht überwacht: {}", why)};
 }
 
-void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judged, double wall) {
+void ServiceWatch::Look(const WriterStatus& writer, const Told& not_judged, double wall) {
   const ServiceTrouble storing = TroubleOf(writer), judging = NotWatched(not_judged);
   board_.TellTrouble(HealthBoard::Part::kStoring, storing);
   board_.TellTrouble(HealthBoard::Part::kJudging, judging);
@@ -62,8 +62,8 @@ void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judge
     if (!Observe(alarm, trouble, wall)) journal_.reset();  // tried again at the next look
 }
 
-void ServiceWatch::BegunAnew(const std::string& why, double wall) {
-  const ServiceTrouble lost{HealthReason::kNotStored, {why, ""}};
+void ServiceWatch::BegunAnew(const Told& why, double wall) {
+  const ServiceTrouble lost{HealthReason::kNotStored, why};
   for (const ServiceTrouble& trouble : {lost, ServiceTrouble{}})
     if (!Observe("database_begun_anew", trouble, wall)) journal_.reset();
 }

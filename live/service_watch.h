@@ -4,6 +4,7 @@
 #include <string>
 
 #include "alarms/health_board.h"
+#include "core/told.h"
 #include "live/writer.h"
 #include "storage/alarm_journal.h"
 
@@ -12,7 +13,7 @@ namespace hydroscope {
 /// What the state of the writer means for health; kJudgedGood while it writes.
 ServiceTrouble TroubleOf(const WriterStatus& writer);
 /// Strokes are stored but not judged, and why; "": they are.
-ServiceTrouble NotWatched(const std::string& why);
+ServiceTrouble NotWatched(const Told& why);
 
 /// Tells what keeps the service itself from its work: at once to the board, from which every feed reads
 /// health, and as alarms of the press (of its only axis, if it has one) in the journal, as soon as that can
@@ -27,10 +28,10 @@ class ServiceWatch {
       : journal_path_(std::move(journal)), press_(std::move(press)), board_(board) {}
 
   /// `not_judged`: why nothing is judged, "" while strokes are. `wall`: s since 1970.
-  void Look(const WriterStatus& writer, const std::string& not_judged, double wall);
+  void Look(const WriterStatus& writer, const Told& not_judged, double wall);
   /// Database or journal were lost and begun anew, and why: an alarm that has gone again, but stands until
   /// somebody acknowledges it.
-  void BegunAnew(const std::string& why, double wall);
+  void BegunAnew(const Told& why, double wall);
 
  private:
   Status Observe(const std::string& alarm, const ServiceTrouble& trouble, double wall);

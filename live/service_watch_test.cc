@@ -37,24 +37,24 @@ class ServiceWatchTest : public testing::Test {
 TEST_F(ServiceWatchTest, AFullDiskIsAFailureOnTheBoardAndAnAlarmUntilItIsWrittenAgain) {
   ServiceWatch watch(path_, "press", board_);
   WriterStatus writer;
-  watch.Look(writer, "", 1000);
+  watch.Look(writer, {}, 1000);
   EXPECT_TRUE(Events().empty()) << "nothing is written while nothing changes";
   writer.state = WriterState::kDiskFull;
-  writer.problem = "press.db: the disk is full";
-  watch.Look(writer, "", 1001);
-  watch.Look(writer, "", 1002);
+  writer.problem = {"press.db: the disk is full", "press.db: die Platte ist voll"};
+  watch.Look(writer, {}, 1001);
+  watch.Look(writer, {}, 1002);
   EXPECT_EQ(board_.Of("press/left").reason, HealthReason::kDiskFull);
   EXPECT_EQ(board_.Of("press/left").letter(), 'F');
   EXPECT_THAT(Events(), testing::ElementsAre("raised not_stored"));
   EXPECT_THAT(journal_->Rows("press").value().front().event.text, HasSubstr("the disk is full"));
-  watch.Look({}, "", 1003);
+  watch.Look({}, {}, 1003);
   EXPECT_THAT(Events(), testing::ElementsAre("raised not_stored", "cleared not_stored"));
   EXPECT_EQ(board_.trouble().reason, HealthReason::kJudgedGood);
 }
 
 TEST_F(ServiceWatchTest, DriftThatIsNotWatchedIsTold) {
   ServiceWatch watch(path_, "press", board_);
-  watch.Look({}, "press_rules.toml:3: unknown key", 1000);
+  watch.Look({}, {"press_rules.toml:3: unknown key"}, 1000);
   EXPECT_THAT(Events(), testing::ElementsAre("raised not_judged"));
   EXPECT_EQ(board_.Of("press/left").reason, HealthReason::kNotWatched);
   EXPECT_THAT(board_.Of("press/left").text, HasSubstr("unknown key"));
@@ -65,7 +65,7 @@ TEST_F(ServiceWatchTest, HealthIsToldAlsoWhereTheJournalCannotBeWritten) {
   ServiceWatch watch("/nowhere/press.alarms.db", "press", board_);
   WriterStatus writer;
   writer.state = WriterState::kLocked;
-  watch.Look(writer, "", 1000);
+  watch.Look(writer, {}, 1000);
   EXPECT_EQ(board_.Of("press/left").reason, HealthReason::kDatabaseLocked);
 }
 

@@ -1,5 +1,6 @@
 #include "live/surveillance.h"
 
+#include "core/told_error.h"
 #include "live/log.h"
 #include "monitor/promoted_model.h"
 
@@ -56,9 +57,9 @@ std::unique_ptr<PressMonitor> Surveillance::MakePressMonitor() {
   const Status usable =
       press_monitor ? (*press_monitor)->watchable() : Status(tl::unexpected(press_monitor.error()));
   std::lock_guard lock(mutex_);
-  not_watched_ = usable ? "" : usable.error().text;
+  not_watched_ = usable ? Told() : ToldOf(usable.error());
   if (usable) return std::move(*press_monitor);
-  LogError("drift_is_not_watched", {{"why", not_watched_}});
+  LogError("drift_is_not_watched", {{"why", not_watched_.english}});
   return nullptr;
 }
 
@@ -67,7 +68,7 @@ void Surveillance::Start() {
   if (watch_) watch_->Start();
 }
 
-void Surveillance::BeginAnew(const std::string& why) {
+void Surveillance::BeginAnew(const Told& why) {
   std::unique_ptr<DriftWatch> watch;
   std::optional<Feeds> feeds;
   {
@@ -94,7 +95,9 @@ void Surveillance::Look() {
              FileIdentity::Of(AlarmJournal::PathFor(options_.database)) != journal_) {
     LogError("journal_gone", {{"why", "it was deleted, moved or replaced; another one is begun"}});
     BeginAnew(
-        "the alarm journal was deleted, moved or replaced while in use: its rows and references are lost");
+        {"the alarm journal was deleted, moved or replaced while in use: its rows and references are lost",
+         "das Alarmbuch wurde im Betrieb gelöscht, verschoben oder ersetzt: seine Zeilen und Referenzen sind "
+         "verloren"});
   }
   self_->Look(now.writer, WhyNotJudged(), Seconds(clock_().wall_ns));
   log_->Look(now);
@@ -114,7 +117,7 @@ void Surveillance::Finish() {
   if (watch_) watch_->Finish();
 }
 
-std::string Surveillance::WhyNotJudged() const {
+Told Surveillance::WhyNotJudged() const {
   std::lock_guard lock(mutex_);
   return watch_ ? watch_->status().problem : not_watched_;
 }

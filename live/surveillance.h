@@ -6,6 +6,7 @@
 #include <string>
 
 #include "alarms/feeds/feeds.h"
+#include "core/told.h"
 #include "live/drift_watch.h"
 #include "live/event_log.h"
 #include "live/live_service.h"
@@ -40,10 +41,10 @@ class Surveillance {
 
  private:
   void Begin();
-  void BeginAnew(const std::string& why);
+  void BeginAnew(const Told& why);
   std::unique_ptr<PressMonitor> MakePressMonitor();
   Result<std::unique_ptr<PressMonitor>> MakeJudge() const;
-  std::string WhyNotJudged() const;
+  Told WhyNotJudged() const;
   DriftWatchStatus Drift() const;
   std::string press() const;
 
@@ -56,7 +57,7 @@ class Surveillance {
   std::int64_t databases_ = 1;  ///< WriterStatus::databases that this watches
   bool watching_ = false;
   mutable std::mutex mutex_;  ///< guards what follows: Look replaces it while others ask
-  std::string not_watched_;   ///< why there is no drift watch
+  Told not_watched_;          ///< why there is no drift watch
   std::unique_ptr<DriftWatch> watch_;
   std::optional<Feeds> feeds_;
   std::optional<ServiceWatch> self_;

@@ -99,7 +99,7 @@ ValveChecks::ValveChecks(LiveService& service, const ValveCheckOptions& options,
     : service_(service), machine_(service.machine()), options_(options), clock_(std::move(clock)) {
   next_.assign(static_cast<std::size_t>(AxisCount(machine_)),
                clock_().monotonic_ns + std::llround(options_.period * 1e9));
-  if (options_.period > 0) state_ = fmt::format("every {:.3g} h", options_.period / 3600);
+  if (options_.period > 0) state_ = Tell("every {:.3g} h", "alle {:.3g} h", options_.period / 3600);
   service_.set_tap([this](int axis, const SampleBlock& block) { Record(axis, block); });
 }
 
@@ -133,12 +133,12 @@ Status ValveChecks::Request(const std::string& axis) {
   return BadInput("the machine has no axis '{}'", axis);
 }
 
-std::string ValveChecks::state() const {
+Told ValveChecks::state() const {
   std::lock_guard lock(mutex_);
   return state_;
 }
 
-void ValveChecks::Tell(const std::string& state) {
+void ValveChecks::Note(const Told& state) {
   std::lock_guard lock(mutex_);
   state_ = state;
 }
@@ -167,7 +167,7 @@ void ValveChecks::Run() {
 void ValveChecks::Check(int axis) {
   const std::string name = AxisMachineName(machine_, axis);
   double begin = static_cast<double>(clock_().wall_ns) * 1e-9;
-  Tell(name + ": asked");
+  Note(Tell("{}: asked", "{}: angefragt", name));
   const SweepStatus end = Ask(axis, begin);
   Sleep(kTail);
   SampleBlock rows;
@@ -179,7 +179,7 @@ void ValveChecks::Check(int axis) {
   ValveCheckRecord record = JudgeSweep(rows, machine_, end, begin, options_.amplitude);
   if (record.outcome == "no_answer" && !problem_.empty()) record.detail += ": " + problem_;
   LogInfo("valve_check", {{"axis", name}, {"outcome", record.outcome}, {"detail", record.detail}});
-  Tell(fmt::format("{}: {}, {}", name, record.outcome, record.detail));
+  Note({fmt::format("{}: {}, {}", name, record.outcome, record.detail)});
   service_.AddValveCheck(axis, std::move(record));
   std::lock_guard lock(mutex_);
   const double pause = end == SweepStatus::kBusy ? options_.busy_retry : options_.period;
@@ -215,7 +215,7 @@ SweepStatus ValveChecks::Ask(int axis, double& begin) {
     if (*status != SweepStatus::kUndecided && !decided) {
       decided = true;
       problem_ = "it began the sweep and never told its end";
-      Tell(AxisMachineName(machine_, axis) + ": sweep running");
+      Note(Tell("{}: sweep running", "{}: Prüflauf im Gang", AxisMachineName(machine_, axis)));
     }
     if (!decided && waited > kAnswerTime) break;
   }

@@ -12,6 +12,7 @@
 #include "acquisition/modbus/valve_request.h"
 #include "core/clock.h"
 #include "core/sample_block.h"
+#include "core/told.h"
 #include "live/live_service.h"
 #include "models/machine.h"
 
@@ -43,7 +44,7 @@ class ValveChecks {
   /// machine file, or one is waiting already.
   Status Request(const std::string& axis);
   /// For people; "" if checks are off and none was asked for.
-  std::string state() const;
+  Told state() const;
   /// Axis whose valve is being swept, -1 if none is.
   int checking() const;
 
@@ -54,7 +55,7 @@ class ValveChecks {
   SweepStatus Ask(int axis, double& begin);
   void Record(int axis, const SampleBlock& block);
   bool Sleep(double seconds);
-  void Tell(const std::string& state);
+  void Note(const Told& state);
 
   LiveService& service_;
   const Machine& machine_;
@@ -64,7 +65,8 @@ class ValveChecks {
   std::condition_variable changed_;
   std::deque<int> wanted_;
   std::vector<std::int64_t> next_;  ///< ns, monotonic, per axis
-  std::string state_, problem_;
+  Told state_;
+  std::string problem_;
   int recording_ = -1;  ///< axis whose rows are kept
   SampleBlock rows_;
   bool stop_ = false;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
 #include "core/quantile.h"
+#include "core/told_error.h"
 #include "host/resident_memory.h"
 #include "live/burst_memory.h"
 #include "live/log.h"
@@ -131,7 +133,7 @@ void LiveWriter::Run() {
     Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
     if (done && !HasCurrent() && CheckpointIsDue()) done = Checkpoint();
     lock.lock();
-    if (!done && IsDamage(done.error(), path_)) damage_ = done.error().text;
+    if (!done && IsDamage(done.error(), path_)) damage_ = ToldOf(done.error());
     if (done || (file && damage_.empty() && !MayPass(done.error()))) {
       Settle(done);
       continue;
@@ -210,8 +212,9 @@ Status LiveWriter::StoreSteps() {
 
 Status LiveWriter::NoRoom() const {
   return InternalError(
-      "{}: the disk is full: less than {} MB are free. Nothing is written until there is room", path_,
-      options_.min_free >> 20);
+      Tell("{}: the disk is full: less than {} MB are free. Nothing is written until there is room",
+           "{}: die Platte ist voll: weniger als {} MB sind frei. Nichts wird geschrieben, bis Platz ist",
+           path_, options_.min_free >> 20));
 }
 
 /// What was to be done is over, one way or the other. Of several steps refused together each is tried alone.
@@ -240,7 +243,7 @@ void LiveWriter::Settle(const Status& done) {
   if (done && status_.state != WriterState::kWriting) {
     LogInfo("writing_again", {{"after", WriterStateName(status_.state)}});
     status_.state = WriterState::kWriting;
-    status_.problem.clear();
+    status_.problem = {};
   }
   changed_.notify_all();
 }
@@ -256,13 +259,13 @@ void LiveWriter::Fail(const Error& error) {
     LogWarning("cannot_write", {{"state", WriterStateName(state)}, {"why", error.text}});
   }
   status_.state = state;
-  status_.problem = error.text;
+  status_.problem = ToldOf(error);
 }
 
 /// The file that was opened still has its name, and nobody damaged it: one that was deleted, moved or replaced
 /// would take what is written with it, unseen.
 Status LiveWriter::LookAtFile() {
-  std::string damage;
+  Told damage;
   {
     std::lock_guard lock(mutex_);
     damage = damage_;
@@ -277,7 +280,9 @@ Status LiveWriter::LookAtFile() {
   }
   if (gone_since_ == 0) gone_since_ = now;
   if (database_ && Seconds(now - gone_since_) < options_.anew_after) return Gone();
-  return BeginAnew("the database file was deleted, moved or replaced", false);
+  return BeginAnew({"the database file was deleted, moved or replaced",
+                    "die Datei der Datenbank wurde gelöscht, verschoben oder ersetzt"},
+                   false);
 }
 
 /// Somebody else wrote into the file: another program of ours, or one that damages it. False: a look is under way that may have
@@ -291,7 +296,7 @@ bool LiveWriter::LookForDamage() {
       std::lock_guard locked(mutex_);
       checking_ = false;
       if (!sound && sound.error().kind == ErrorKind::kBadInput && !MayPass(sound.error()))
-        damage_ = sound.error().text;
+        damage_ = ToldOf(sound.error());
     }
     changed_.notify_all();
   });
@@ -299,7 +304,7 @@ bool LiveWriter::LookForDamage() {
 }
 
 /// Another file that lies in place of ours is used if it is a database of ours, else it is set aside.
-Status LiveWriter::BeginAnew(const std::string& why, bool damaged) {
+Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
   database_.reset();  // before another file of this name is open: closing may remove what lies beside it
   const bool found = FileIdentity::Of(path_).exists();
   auto opened = damaged || !found ? Result<Database>(tl::unexpected(Error{})) : Database::Open(path_);
@@ -320,12 +325,14 @@ Status LiveWriter::BeginAnew(const std::string& why, bool damaged) {
   written_ = LastWritten(path_);
   gone_since_ = 0;
   std::lock_guard lock(mutex_);
-  damage_.clear();
+  damage_ = {};
   ++status_.databases;
-  status_.begun_anew = kept.empty() ? why : fmt::format("{}; what was there is kept as {}", why, kept);
+  status_.begun_anew =
+      kept.empty() ? why
+                   : Tell("{}; what was there is kept as {}", "{}; was da war, liegt als {}", why, kept);
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) broken_.insert(static_cast<int>(axis));
-  LogError("database_begun_anew",
-           {{"why", status_.begun_anew}, {"strokes_in_memory", std::to_string(status_.waiting_strokes)}});
+  LogError("database_begun_anew", {{"why", status_.begun_anew.english},
+                                   {"strokes_in_memory", std::to_string(status_.waiting_strokes)}});
   return {};
 }
 
@@ -343,10 +350,12 @@ Status LiveWriter::BeginRuns() {
 }
 
 Status LiveWriter::Gone() const {
-  return InternalError(
-      "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; "
-      "put it back, or another one is begun {:.0f} s after it went",
-      path_, options_.anew_after);
+  return InternalError(Tell(
+      "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; put it back, or "
+      "another one is begun {} s after it went",
+      "{}: die Datei der Datenbank ist weg: sie wurde im Betrieb gelöscht, verschoben oder ersetzt. Nichts wird "
+      "geschrieben; legen Sie sie zurück, sonst wird {} s danach eine andere begonnen",
+      path_, std::lround(options_.anew_after)));
 }
 
 bool LiveWriter::DiskHasRoom() {

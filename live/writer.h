@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/clock.h"
+#include "core/told.h"
 #include "live/axis_pipeline.h"
 #include "storage/database.h"
 #include "storage/file_identity.h"
@@ -32,7 +33,7 @@ const char* WriterStateName(WriterState state);
 
 struct WriterStatus {
   WriterState state = WriterState::kWriting;
-  std::string problem;  ///< "" while all is well
+  Told problem;  ///< empty while all is well
   std::int64_t free_bytes = 0, database_bytes = 0;
   std::int64_t waiting_items = 0, waiting_bytes = 0, waiting_strokes = 0;
   std::int64_t steps = 0;              ///< transactions acknowledged
@@ -40,7 +41,7 @@ struct WriterStatus {
   std::int64_t dropped_rows = 0, dropped_strokes = 0, refused = 0;
   std::int64_t pauses = 0;                                   ///< times it could not write
   std::int64_t databases = 1;                                ///< since the start: others were lost
-  std::string begun_anew;                                    ///< why the present one was begun; "": the first
+  Told begun_anew;                                           ///< why the present one was begun; "": the first
   double latency_p50 = 0, latency_p99 = 0, latency_max = 0;  ///< s, stroke sent to estimate stored
   double commit_p99 = 0;                                     ///< s, pipeline to stored
 };
@@ -89,7 +90,7 @@ class LiveWriter {
   Status NoRoom() const;
   Status LookAtFile();
   Status Gone() const;
-  Status BeginAnew(const std::string& why, bool damaged);
+  Status BeginAnew(const Told& why, bool damaged);
   Status BeginRuns();
   Status BeginRun(Axis& axis, const char* ending);
   bool LookForDamage();
@@ -125,7 +126,7 @@ class LiveWriter {
   WriterStatus status_;
   std::vector<double> latencies_, commits_;
   std::set<int> broken_;
-  std::string damage_;  ///< what is wrong with the file, from a check or from SQLite itself
+  Told damage_;  ///< what is wrong with the file, from a check or from SQLite itself
   bool checking_ = false;
   bool stopping_ = false, give_up_ = false;
   std::jthread checker_;

@@ -95,7 +95,8 @@ TEST_F(LiveWriterTest, ADamageIsSeenHoweverBusyItWrites) {
     file.seekp(16 << 10);
     file << std::string(64 << 10, 'x');
   }
-  EXPECT_TRUE(Wait(10, [&] { return writer_->status().databases == 2; })) << writer_->status().problem;
+  EXPECT_TRUE(Wait(10, [&] { return writer_->status().databases == 2; }))
+      << writer_->status().problem.english;
 }
 
 }  // namespace

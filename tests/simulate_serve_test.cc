@@ -73,7 +73,7 @@ TEST_P(SimulateServeKilled, AndStartedAgainItIsHeardWithinTwoAndAHalfSecondsAndN
     ASSERT_TRUE(press.WaitFor("serving"));
     for (std::size_t k = 0; k < sources.size(); ++k)
       EXPECT_TRUE(sinks[k].WaitForMore(1, life == 0 ? 10 : 2.5))
-          << sources[k]->status().name << ": " << sources[k]->status().state;
+          << sources[k]->status().name << ": " << sources[k]->status().state.english;
     EXPECT_TRUE(sinks[0].WaitForMore(200));
     press.Kill(SIGKILL);
   }

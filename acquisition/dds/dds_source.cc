@@ -136,21 +136,31 @@ class Receiver {
            });
   }
 
-  std::string Describe() const {
-    if (!problem_.empty()) return problem_;
+  Told Describe() const {
+    if (!problem_.empty()) return {problem_};
     if (incompatible_)
-      return "a sender offers another quality of service; it must be reliable with a deadline of 0.1 s";
-    if (matched_ == 0) return "waiting for a sender; check domain, topic and interfaces if one is running";
-    if (alive_ == 0) return "the sender stopped giving signs of life";
+      return {
+          "a sender offers another quality of service; it must be reliable with a deadline of 0.1 s",
+          "ein Sender bietet eine andere Dienstgüte an; sie muss zuverlässig sein, mit einer Frist von 0,1 s"};
+    if (matched_ == 0)
+      return {"waiting for a sender; check domain, topic and interfaces if one is running",
+              "wartet auf einen Sender; läuft einer, sind Domäne, Thema und Netzanschlüsse zu prüfen"};
+    if (alive_ == 0)
+      return {"the sender stopped giving signs of life", "der Sender gibt kein Lebenszeichen mehr"};
     if (senders_.empty() || std::none_of(senders_.begin(), senders_.end(),
                                          [](const auto& sender) { return sender.second.allowed; }))
-      if (refused_ > 0) return refused_sender_ + " sends, and is not among [live.dds] senders";
-    if (!assembler_.complaint().empty()) return assembler_.complaint();
-    if (late_) return "the sender is there but sends no batches in time";
+      if (refused_ > 0)
+        return Tell("{} sends, and is not among [live.dds] senders",
+                    "{} sendet und steht nicht unter [live.dds] senders", refused_sender_);
+    if (!assembler_.complaint().empty()) return {assembler_.complaint()};
+    if (late_)
+      return {"the sender is there but sends no batches in time",
+              "der Sender ist da, schickt aber nicht rechtzeitig"};
     const std::string& without = participant_ && without_shared_memory_.empty()
                                      ? participant_->without_shared_memory()
                                      : without_shared_memory_;
-    return without.empty() ? "receiving" : "receiving by UDP: " + without;
+    return without.empty() ? Told("receiving", "empfängt")
+                           : Tell("receiving by UDP: {}", "empfängt über UDP: {}", without);
   }
 
   mutable std::mutex mutex_;

@@ -36,7 +36,7 @@ class DdsSourceTest : public ::testing::Test {
     return source_->Start(sink_.sink());
   }
   bool Tells(const std::string& state) {
-    return WaitUntil([&] { return source_->status().state.find(state) != std::string::npos; });
+    return WaitUntil([&] { return source_->status().state.english.find(state) != std::string::npos; });
   }
 
   TestPress press_;
@@ -68,7 +68,7 @@ TEST_F(DdsSourceTest, ASenderThatFallsSilentIsLateAndIsHeardAgain) {
   ASSERT_TRUE(Start());
   ASSERT_TRUE(sink_.WaitForMore(50));
   ASSERT_TRUE(press_.server().Do(MuteCommand{true}));
-  EXPECT_TRUE(Tells("no batches in time")) << source_->status().state;
+  EXPECT_TRUE(Tells("no batches in time")) << source_->status().state.english;
   ASSERT_TRUE(press_.server().Do(MuteCommand{false}));
   EXPECT_TRUE(sink_.WaitForMore(50));
   EXPECT_TRUE(Tells("receiving"));
@@ -80,7 +80,7 @@ TEST_F(DdsSourceTest, TheWatchdogBuildsItAnewAndItStillHears) {
   ASSERT_TRUE(Start());
   ASSERT_TRUE(WaitUntil([&] { return source_->status().reconnects >= 3; }));
   Live();
-  EXPECT_TRUE(sink_.WaitForMore(50)) << source_->status().state;
+  EXPECT_TRUE(sink_.WaitForMore(50)) << source_->status().state.english;
 }
 
 TEST_F(DdsSourceTest, AChannelThatIsNotAnnouncedIsNamed) {
@@ -88,7 +88,7 @@ TEST_F(DdsSourceTest, AChannelThatIsNotAnnouncedIsNamed) {
   Live();
   ASSERT_TRUE(Start());
   EXPECT_TRUE(sink_.WaitForMore(20)) << "the others come all the same";
-  EXPECT_TRUE(Tells("but not middle/p_A")) << source_->status().state;
+  EXPECT_TRUE(Tells("but not middle/p_A")) << source_->status().state.english;
 }
 
 TEST_F(DdsSourceTest, AnAddressThatIsNotOursIsRefused) {
@@ -113,7 +113,7 @@ TEST_F(DdsSourceTest, ASenderThatIsNotInTheListIsNotHeard) {
   options_.spec.senders = {"192.168.0.0/24"};
   Live();
   ASSERT_TRUE(Start());
-  EXPECT_TRUE(Tells("is not among [live.dds] senders")) << source_->status().state;
+  EXPECT_TRUE(Tells("is not among [live.dds] senders")) << source_->status().state.english;
   EXPECT_GT(source_->status().refused, 0);
   EXPECT_EQ(sink_.rows(), 0);
 }
@@ -149,7 +149,7 @@ class SecureDdsTest : public DdsSourceTest {
 TEST_F(SecureDdsTest, SendersOfTheSameAuthorityAreHeard) {
   LiveWith(Folder("ours/press"));
   ASSERT_TRUE(Start());
-  EXPECT_TRUE(sink_.WaitForMore(50)) << source_->status().state;
+  EXPECT_TRUE(sink_.WaitForMore(50)) << source_->status().state.english;
 }
 
 TEST_F(SecureDdsTest, NeitherAStrangerNorSomebodyWithoutACertificateIsHeard) {

@@ -28,21 +28,28 @@ void ModbusLink::Close() {
   context_.reset();
 }
 
-std::string ModbusLink::WhyNotConnected(int error) const {
-  if (error == EINPROGRESS) return "no answer";  // what a host that does not answer at all leaves behind
-  if (error != ECONNREFUSED) return modbus_strerror(error);
+Told ModbusLink::WhyNotConnected(int error) const {
+  if (error == EINPROGRESS)
+    return {"no answer", "keine Antwort"};  // what a host that does not answer at all leaves behind
+  if (error != ECONNREFUSED) return {modbus_strerror(error)};
   // libmodbus says so of a name that nobody knows, too.
   addrinfo* found = nullptr;
   const int unknown = getaddrinfo(host_.c_str(), nullptr, nullptr, &found);
   if (found != nullptr) freeaddrinfo(found);
-  return unknown != 0 ? "nobody knows a computer of this name" : modbus_strerror(error);
+  return unknown != 0
+             ? Told("nobody knows a computer of this name", "niemand kennt einen Rechner dieses Namens")
+             : Told(modbus_strerror(error), "die Verbindung wird abgelehnt");
+}
+
+Told ModbusLink::NoConnection(const Told& why) const {
+  return Tell("no connection to {}:{}: {}", "keine Verbindung zu {}:{}: {}", host_, port_, why);
 }
 
 LinkOutcome ModbusLink::Connect() {
   Close();
   modbus_t* modbus = modbus_new_tcp_pi(host_.c_str(), std::to_string(port_).c_str());
   if (modbus == nullptr) {
-    problem_ = fmt::format("no connection to {}:{}: {}", host_, port_, modbus_strerror(errno));
+    problem_ = NoConnection({modbus_strerror(errno)});
     return LinkOutcome::kBroken;
   }
   context_ = std::make_unique<Context>(modbus);
@@ -52,7 +59,7 @@ LinkOutcome ModbusLink::Connect() {
   modbus_set_error_recovery(modbus, MODBUS_ERROR_RECOVERY_NONE);
   modbus_set_slave(modbus, unit_);
   if (modbus_connect(modbus) != 0) {
-    problem_ = fmt::format("no connection to {}:{}: {}", host_, port_, WhyNotConnected(errno));
+    problem_ = NoConnection(WhyNotConnected(errno));
     context_.reset();
     return LinkOutcome::kBroken;
   }
@@ -63,7 +70,7 @@ LinkOutcome ModbusLink::Connect() {
 LinkOutcome ModbusLink::Judge(int result, const std::string& request) {
   if (result >= 0) return LinkOutcome::kDone;
   const int error = errno;
-  problem_ = fmt::format("{}: {}", request, modbus_strerror(error));
+  problem_ = {fmt::format("{}: {}", request, modbus_strerror(error))};
   if (error > MODBUS_ENOBASE && error <= EMBXGTAR) return LinkOutcome::kException;
   // After anything else the stream may hold half or late answers: only a new connection is clean.
   Close();

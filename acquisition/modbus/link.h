@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 /// What became of a request.
@@ -33,20 +35,21 @@ class ModbusLink {
   LinkOutcome WriteCoil(int address, bool value);
 
   /// What the last request that was not done met, for people.
-  const std::string& problem() const { return problem_; }
+  const Told& problem() const { return problem_; }
 
  private:
   struct Context;
   LinkOutcome Judge(int result, const std::string& request);
   /// Of a connection that failed with this errno.
-  std::string WhyNotConnected(int error) const;
+  Told WhyNotConnected(int error) const;
+  Told NoConnection(const Told& why) const;
 
   std::string host_;
   int port_, unit_;
   double timeout_;
   std::unique_ptr<Context> context_;
   bool connected_ = false;
-  std::string problem_;
+  Told problem_;
 };
 
 }  // namespace hydroscope

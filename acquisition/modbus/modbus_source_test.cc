@@ -44,7 +44,7 @@ class IllController : public ::testing::Test {
   /// s from now until readings come again.
   double Recovery() {
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_TRUE(sink_.WaitForMore(1)) << source_->status().state;
+    EXPECT_TRUE(sink_.WaitForMore(1)) << source_->status().state.english;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
@@ -58,7 +58,7 @@ TEST_F(IllController, ThatHangsIsLeftAndFoundAgain) {
   Fault(ModbusFault::kHang);
   EXPECT_TRUE(IsGone());
   EXPECT_TRUE(WaitUntil([&] { return source_->status().timeouts >= 2; }));
-  EXPECT_THAT(source_->status().state, HasSubstr("timed out"));
+  EXPECT_THAT(source_->status().state.english, HasSubstr("timed out"));
   Fault(ModbusFault::kNone);
   EXPECT_LT(Recovery(), 0.5) << "two pauses of 0.1 s and a timeout";
 }
@@ -84,7 +84,8 @@ TEST_F(IllController, ThatAnswersTooLateNeverGivesAnAnswerToAnotherRequest) {
 TEST_F(IllController, ThatFreezesIsToldByItsHeartbeatAndItsOldValuesAreNotDelivered) {
   ASSERT_TRUE(press_.server().Do(FreezeCommand{true}));
   EXPECT_TRUE(IsGone());
-  EXPECT_THAT(source_->status().state, HasSubstr("heartbeat"));
+  EXPECT_THAT(source_->status().state.english, HasSubstr("heartbeat"));
+  EXPECT_THAT(source_->status().state.german, HasSubstr("Lebenszeichen"));
   const std::int64_t rows = sink_.rows();
   EXPECT_FALSE(sink_.WaitForMore(1, 0.2));
   EXPECT_EQ(sink_.rows(), rows);
@@ -103,7 +104,7 @@ TEST_F(IllController, RefusedRegistersAreToldAndTheOthersGoOn) {
   EXPECT_TRUE(sink_.WaitForMore(3));
   EXPECT_TRUE(WaitUntil([&] { return source_->status().exceptions >= 2; }));
   EXPECT_TRUE(source_->status().connected);
-  EXPECT_THAT(source_->status().state, HasSubstr("Illegal data address"));
+  EXPECT_THAT(source_->status().state.english, HasSubstr("Illegal data address"));
 }
 
 TEST_F(IllController, MoreRegistersThanARequestMayAskForAreRefusedBeforeTheyAreSent) {
@@ -111,7 +112,7 @@ TEST_F(IllController, MoreRegistersThanARequestMayAskForAreRefusedBeforeTheyAreS
   ASSERT_EQ(link.Connect(), LinkOutcome::kDone);
   std::array<std::uint16_t, 126> too_many{};
   EXPECT_NE(link.Read(0, too_many), LinkOutcome::kDone);
-  EXPECT_THAT(link.problem(), HasSubstr("Too many data"));
+  EXPECT_THAT(link.problem().english, HasSubstr("Too many data"));
 }
 
 TEST_F(IllController, ARequestWithAnUnknownFunctionHoldsUpNoOtherClient) {

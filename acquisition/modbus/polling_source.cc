@@ -33,7 +33,10 @@ SourceStatus PollingSource::status() const {
   SourceStatus status = Counters();
   status.name = fmt::format("modbus {}:{} {}", spec_.host, spec_.port, Name());
   status.connected = connected_ && !still_;
-  status.state = still_ && connected_ ? "the controller answers, but its heartbeat stands still" : state_;
+  status.state = still_ && connected_
+                     ? hydroscope::Tell("the controller answers, but its heartbeat stands still",
+                                        "die Steuerung antwortet, aber ihr Lebenszeichen steht still")
+                     : state_;
   status.reconnects = reconnects_;
   status.timeouts = timeouts_;
   status.exceptions = exceptions_;
@@ -47,7 +50,7 @@ bool PollingSource::Wait(const std::stop_token& stop, double seconds) {
   return !stop.stop_requested();
 }
 
-void PollingSource::Tell(bool connected, const std::string& state) {
+void PollingSource::Tell(bool connected, const Told& state) {
   std::lock_guard lock(mutex_);
   connected_ = connected;
   state_ = state;
@@ -55,7 +58,7 @@ void PollingSource::Tell(bool connected, const std::string& state) {
 
 void PollingSource::Run(const std::stop_token& stop) {
   ModbusLink link(spec_.host, spec_.port, spec_.unit, spec_.timeout);
-  Tell(false, "connecting");
+  Tell(false, {"connecting", "verbindet"});
   bool first = true;
   while (!stop.stop_requested()) {
     if (link.Connect() == LinkOutcome::kDone) {
@@ -69,7 +72,7 @@ void PollingSource::Run(const std::stop_token& stop) {
         const LinkOutcome outcome = Poll(link);
         if (outcome == LinkOutcome::kDone) {
           backoff_.Reset();
-          Tell(true, "receiving");
+          Tell(true, {"receiving", "empfängt"});
         } else {
           Tell(outcome == LinkOutcome::kException, link.problem());
         }
@@ -81,7 +84,7 @@ void PollingSource::Run(const std::stop_token& stop) {
     }
     if (!Wait(stop, backoff_.Next())) break;
   }
-  Tell(false, "stopped");
+  Tell(false, {"stopped", "angehalten"});
 }
 
 LinkOutcome PollingSource::Read(ModbusLink& link, int first, std::span<std::uint16_t> registers,

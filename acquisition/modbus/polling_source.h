@@ -48,12 +48,12 @@ class PollingSource : public Source {
  private:
   void Run(const std::stop_token& stop);
   bool Wait(const std::stop_token& stop, double seconds);
-  void Tell(bool connected, const std::string& state);
+  void Tell(bool connected, const Told& state);
 
   const double period_;
   Backoff backoff_;
   bool connected_ = false;
-  std::string state_ = "not started";
+  Told state_{"not started", "nicht begonnen"};
   std::int64_t reconnects_ = 0, timeouts_ = 0, exceptions_ = 0, malformed_ = 0;
   std::uint64_t heartbeat_ = 0;
   HostTime heartbeat_changed_;

@@ -36,7 +36,7 @@ ValveRequest::ValveRequest(const ModbusSpec& spec)
     : spec_(spec), link_(spec.host, spec.port, spec.unit, spec.timeout) {}
 
 tl::unexpected<Error> ValveRequest::Failed(const char* what) {
-  return BadInput("valve sweep: {}: {}", what, link_.problem());
+  return BadInput("valve sweep: {}: {}", what, link_.problem().english);
 }
 
 Status ValveRequest::Connected() {

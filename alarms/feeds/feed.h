@@ -3,13 +3,15 @@
 #include <cstdint>
 #include <string>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 /// What a feed says about itself.
 struct FeedStatus {
   std::string name;            ///< "modbus 127.0.0.1:1503"
   bool connected = false;      ///< it can be heard: the port is open, the broker is there
-  std::string state;           ///< in words, with the error that keeps it
+  Told state;                  ///< in words, with the error that keeps it
   int clients = 0;             ///< connected to us now
   std::int64_t delivered = 0;  ///< journal rows up to this sequence number are out
   std::int64_t behind = 0;     ///< journal rows that are not

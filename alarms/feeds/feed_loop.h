@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/result.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 
@@ -37,7 +38,7 @@ class FeedLoop {
     return errors_;
   }
   /// Of the last round; "" if it went well.
-  std::string problem() const {
+  Told problem() const {
     std::lock_guard lock(mutex_);
     return problem_;
   }
@@ -50,7 +51,7 @@ class FeedLoop {
       const Status done = round_();
       std::unique_lock lock(mutex_);
       errors_ += done ? 0 : 1;
-      problem_ = done ? "" : done.error().text;
+      problem_ = done ? Told() : ToldOf(done.error());
       wake_.wait_for(lock, stop, std::chrono::duration<double>(done ? period_ : kPatience),
                      [&] { return woken_ && done.has_value(); });
       woken_ = false;
@@ -63,7 +64,7 @@ class FeedLoop {
   std::condition_variable_any wake_;
   bool woken_ = false;
   std::int64_t errors_ = 0;
-  std::string problem_;
+  Told problem_;
   std::jthread thread_;
 };
 

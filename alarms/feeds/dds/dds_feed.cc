@@ -175,7 +175,7 @@ class DdsFeed : public Feed {
     FeedStatus status = status_;
     status.name = fmt::format("dds {} domain {}", spec_.topic, spec_.domain);
     status.errors = loop_.errors();
-    if (const std::string problem = loop_.problem(); !problem.empty()) status.state = problem;
+    if (const hydroscope::Told problem = loop_.problem(); !problem.empty()) status.state = problem;
     return status;
   }
 
@@ -198,7 +198,7 @@ class DdsFeed : public Feed {
     std::lock_guard lock(mutex_);
     status_ = {.name = {},
                .connected = true,
-               .state = "publishing",
+               .state = {"publishing", "sendet"},
                .clients = publication_->readers(),
                .delivered = cursor_,
                .behind = *last - cursor_,

@@ -73,7 +73,7 @@ class DdsFeedTest : public FeedTest {
     dds.topic = "plant";
     dds.transport = DdsTransport::kUdp;
     feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime));
-    ASSERT_TRUE(WaitUntil([&] { return status().connected; })) << status().state;
+    ASSERT_TRUE(WaitUntil([&] { return status().connected; })) << status().state.english;
   }
   FeedStatus status() const { return feeds_->status().front(); }
 
@@ -132,7 +132,7 @@ TEST_F(DdsFeedTest, AnAddressThatThisComputerDoesNotHaveIsTold) {
   const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return feeds.status()[0].errors > 0; }));
   EXPECT_FALSE(feeds.status()[0].connected);
-  EXPECT_THAT(feeds.status()[0].state, HasSubstr("[feeds.dds] interfaces"));
+  EXPECT_THAT(feeds.status()[0].state.english, HasSubstr("[feeds.dds] interfaces"));
 }
 
 }  // namespace

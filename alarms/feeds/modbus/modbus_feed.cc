@@ -45,8 +45,9 @@ class ModbusFeed : public Feed {
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
     if (status.state.empty())
-      status.state = fmt::format(
+      status.state = Tell(
           "open; {} connections taken, {} refused, {} gave way because idle, {} ended as malformed",
+          "offen; {} Verbindungen angenommen, {} abgelehnt, {} wichen, weil untätig, {} endeten als fehlerhaft",
           counters.accepted, counters.refused, counters.gave_way, counters.malformed);
     return status;
   }

@@ -76,7 +76,9 @@ class ModbusFeedTest : public FeedTest {
   }
   FeedStatus status() const { return feeds_->status().front(); }
   int port() const { return port_; }
-  void Connect(ModbusLink& link) const { ASSERT_EQ(link.Connect(), LinkOutcome::kDone) << link.problem(); }
+  void Connect(ModbusLink& link) const {
+    ASSERT_EQ(link.Connect(), LinkOutcome::kDone) << link.problem().english;
+  }
   std::vector<std::uint16_t> Words(int first, int count) const {
     ModbusLink link("127.0.0.1", port_, 1, 1);
     std::vector<std::uint16_t> words(static_cast<std::size_t>(count));
@@ -164,7 +166,7 @@ TEST_F(ModbusFeedTest, AnAcknowledgementIsStoredInTheJournalUnderTheNameOfTheFee
   Start();
   ModbusLink link("127.0.0.1", port(), 1, 1);
   Connect(link);
-  ASSERT_EQ(link.WriteRegister(kAcknowledge, 2), LinkOutcome::kDone) << link.problem();
+  ASSERT_EQ(link.WriteRegister(kAcknowledge, 2), LinkOutcome::kDone) << link.problem().english;
   ASSERT_TRUE(WaitUntil([&] {
     return Words(kAcknowledge, 2) == std::vector<std::uint16_t>{2, kAcknowledged};
   }));
@@ -185,11 +187,11 @@ TEST_F(ModbusFeedTest, WhatMayNotBeWrittenIsRefused) {
   ModbusLink link("127.0.0.1", port(), 1, 1);
   Connect(link);
   EXPECT_EQ(link.WriteRegister(kHeartbeat, 1), LinkOutcome::kException);
-  EXPECT_THAT(link.problem(), HasSubstr("Illegal data address"));
+  EXPECT_THAT(link.problem().english, HasSubstr("Illegal data address"));
   EXPECT_EQ(link.WriteRegister(kAcknowledge, 2), LinkOutcome::kException);
-  EXPECT_THAT(link.problem(), HasSubstr("Illegal data value"));
+  EXPECT_THAT(link.problem().english, HasSubstr("Illegal data value"));
   EXPECT_EQ(link.WriteCoil(kAcknowledge, true), LinkOutcome::kException);
-  EXPECT_THAT(link.problem(), HasSubstr("Illegal function"));
+  EXPECT_THAT(link.problem().english, HasSubstr("Illegal function"));
   EXPECT_FALSE(StateOf("left", 1).acknowledged);
 }
 
@@ -226,7 +228,7 @@ TEST_F(ModbusFeedTest, AClientThatHoldsHalfARequestDoesNotSlowAnother) {
     slow.Send({0, 1, 0});
     for (int read = 0; read < 5; ++read) {
       const double begin = Now();
-      ASSERT_EQ(link.Read(0, words), LinkOutcome::kDone) << link.problem();
+      ASSERT_EQ(link.Read(0, words), LinkOutcome::kDone) << link.problem().english;
       times.push_back(Now() - begin);
     }
   }
@@ -266,7 +268,7 @@ TEST_F(ModbusFeedTest, ConnectionsBeyondTheLimitAreClosedAtOnce) {
   EXPECT_FALSE(first.Hear(500).bytes.empty());
   EXPECT_FALSE(second.Hear(500).bytes.empty());
   EXPECT_TRUE(Plain(port()).Hear(500).closed);
-  EXPECT_THAT(status().state, HasSubstr("1 refused"));
+  EXPECT_THAT(status().state.english, HasSubstr("1 refused"));
 }
 
 TEST_F(ModbusFeedTest, TheConnectionThatIsIdleLongestGivesWayToAnother) {
@@ -291,7 +293,7 @@ TEST_F(ModbusFeedTest, WithoutTheRightToAcknowledgeClientsOnlyRead) {
   ModbusLink link("127.0.0.1", port(), 1, 1);
   Connect(link);
   EXPECT_EQ(link.WriteRegister(kAcknowledge, 1), LinkOutcome::kException);
-  EXPECT_THAT(link.problem(), HasSubstr("Illegal data address"));
+  EXPECT_THAT(link.problem().english, HasSubstr("Illegal data address"));
   EXPECT_FALSE(StateOf("left", 1).acknowledged);
 }
 
@@ -318,13 +320,13 @@ TEST_F(ModbusFeedTest, APortThatIsTakenIsToldAndTriedAgain) {
   const Feeds second = Feeds::Start(Press(same), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return second.status()[0].errors > 0; }));
   EXPECT_FALSE(second.status()[0].connected);
-  EXPECT_THAT(second.status()[0].state, HasSubstr("cannot be opened"));
+  EXPECT_THAT(second.status()[0].state.english, HasSubstr("cannot be opened"));
 }
 
 /// Reads the ring once, as a SCADA system that knows the map; appends what is new.
 void Poll(ModbusLink& link, std::vector<std::int64_t>& sequences) {
   std::vector<std::uint16_t> head(kHeadSize);
-  ASSERT_EQ(link.Read(0, head), LinkOutcome::kDone) << link.problem();
+  ASSERT_EQ(link.Read(0, head), LinkOutcome::kDone) << link.problem().english;
   const auto newest = static_cast<std::int64_t>(DecodeUnsigned(std::span(head).subspan(kNewest, 2)));
   for (std::int64_t next = sequences.empty() ? 1 : sequences.back() + 1; next <= newest;) {
     const auto record = static_cast<int>(next % kRingRecords);

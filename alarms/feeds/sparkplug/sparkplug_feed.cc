@@ -67,7 +67,7 @@ class SparkplugFeed : public Feed {
     FeedStatus status = status_;
     status.errors = loop_.errors();
     status.name = fmt::format("sparkplug {} {}/{}", spec_.broker, group_, node_);
-    if (const std::string problem = loop_.problem(); !problem.empty()) status.state = problem;
+    if (const Told problem = loop_.problem(); !problem.empty()) status.state = problem;
     return status;
   }
 
@@ -295,11 +295,12 @@ class SparkplugFeed : public Feed {
     const auto last = reader_.LastSequence();
     std::lock_guard lock(mutex_);
     status_.connected = heard;
-    status_.state = fmt::format("{} rows wait in the outbox", count);
-    if (heard) lost_.clear();
-    if (!lost_.empty()) status_.state = fmt::format("{}; {}", lost_, status_.state);
+    status_.state = Tell("{} rows wait in the outbox", "{} Zeilen warten im Ausgang", count);
+    if (heard) lost_ = {};
+    if (!lost_.empty()) status_.state = Tell("{}; {}", "{}; {}", lost_, status_.state);
     if (!host_.online())
-      status_.state = fmt::format("the primary host {} is offline; {}", host_.id(), status_.state);
+      status_.state = Tell("the primary host {} is offline; {}", "der Leitrechner {} ist nicht verbunden; {}",
+                           host_.id(), status_.state);
     status_.delivered = first > 0 ? first - 1 : cursor_;
     status_.behind = count + (last ? *last - cursor_ : 0);
   }
@@ -315,7 +316,9 @@ class SparkplugFeed : public Feed {
   void Lost(const std::string& why) {
     {
       std::lock_guard lock(mutex_);
-      lost_ = why.empty() ? "the broker closed the connection or fell silent" : why;
+      lost_ = why.empty() ? Told("the broker closed the connection or fell silent",
+                                 "der Broker schloss die Verbindung oder verstummte")
+                          : Told(why);
     }
     loop_.Wake();
   }
@@ -363,7 +366,7 @@ class SparkplugFeed : public Feed {
 
   std::atomic<bool> rebirth_ = false;
   mutable std::mutex mutex_;              // guards what follows
-  std::string lost_;                      // why the last connection ended; "" while there is one
+  Told lost_;                             // why the last connection ended; "" while there is one
   std::vector<std::string> host_states_;  // arrived, not yet taken
   std::vector<std::int64_t> acknowledged_;
   FeedStatus status_;

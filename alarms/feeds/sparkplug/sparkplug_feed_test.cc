@@ -16,7 +16,7 @@ TEST_F(SparkplugFeedTest, AnAxisThatIsBeingLearnedIsNotGood) {
   StartBroker();
   BeginLearning("left");
   StartFeed();
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH/press/left") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH/press/left") == 1; })) << status().state.english;
   const Json birth = Decoded("DBIRTH/press/left").front();
   EXPECT_EQ(Metric(birth, "Health"), "C");
   EXPECT_EQ(Metric(birth, "Health/Reason"), "learning");
@@ -26,7 +26,7 @@ TEST_F(SparkplugFeedTest, IsBornWithItsAxesAndTellsEachEventWithAcknowledgement)
   StartBroker();
   Raise("left", 1);
   StartFeed();
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state.english;
   Raise("right", 7);
   ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/right") == 1; }));
   const auto messages = Decoded();
@@ -119,13 +119,13 @@ TEST_F(SparkplugFeedTest, WhatHappensWithoutABrokerIsToldLaterAsHistorical) {
   Raise("left", 1, 300);
   ASSERT_TRUE(WaitUntil([&] { return status().behind == 300 && status().errors > 0; }));
   EXPECT_FALSE(status().connected);
-  EXPECT_THAT(status().state, HasSubstr("MQTT broker"));
+  EXPECT_THAT(status().state.english, HasSubstr("MQTT broker"));
   const auto outbox = Outbox::Open(Outbox::PathFor(database()));
   ASSERT_TRUE(WaitUntil([&] { return *outbox->Count() == 300; }));
   StopFeed();
   StartBroker();  // and the host, before the feed can tell anything
   StartFeed();
-  ASSERT_TRUE(WaitUntil([&] { return status().behind == 0; }, 20)) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return status().behind == 0; }, 20)) << status().state.english;
   ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA") >= 300; }));
   const auto events = Events();
   ASSERT_EQ(events.size(), 300u);
@@ -148,7 +148,7 @@ TEST_F(SparkplugFeedTest, ABrokerThatDiesAndComesBackGetsWhatItDidNotAcknowledge
   ASSERT_TRUE(WaitUntil([&] { return !status().connected && status().behind == 20; }));
   StartBroker();
   // What the broker acknowledges before the host is there again, the host never sees.
-  ASSERT_TRUE(WaitUntil([&] { return status().delivered == 40; }, 20)) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return status().delivered == 40; }, 20)) << status().state.english;
   Raise("left", 50);
   ASSERT_TRUE(WaitUntil([&] {
     const auto events = Events();

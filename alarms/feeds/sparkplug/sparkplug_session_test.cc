@@ -31,13 +31,13 @@ TEST_F(SparkplugHostTest, WaitsForThePrimaryHostAndThenTellsWhatWasStored) {
   StartWaitingFeed();
   Raise("left", 1, 50);
   ASSERT_TRUE(WaitUntil([&] { return Waiting() == 50; }));
-  ASSERT_TRUE(WaitUntil([&] { return status().state.find("scada is offline") != std::string::npos; }))
-      << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return status().state.english.find("scada is offline") != std::string::npos; }))
+      << status().state.english;
   EXPECT_FALSE(status().connected);
   EXPECT_EQ(host().Count("press"), 0u) << "neither birth nor data before the host is there";
   Say(true, 1000);
   ASSERT_TRUE(WaitUntil([&] { return status().behind == 0 && host().Count("DDATA") >= 50; }))
-      << status().state;
+      << status().state.english;
   EXPECT_TRUE(status().connected);
   EXPECT_EQ(host().Count("NBIRTH"), 1u);
   const auto events = Events();
@@ -52,15 +52,15 @@ TEST_F(SparkplugHostTest, DiesWithTheHostAndIsBornAgainWithWhatHappenedMeanwhile
   Say(true, 1000);
   StartWaitingFeed();
   Raise("left", 1);
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state.english;
   Say(false, 1000);  // its will
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("NDEATH") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("NDEATH") == 1; })) << status().state.english;
   Raise("right", 1, 20);
   ASSERT_TRUE(WaitUntil([&] { return Waiting() == 20; }));
   EXPECT_EQ(host().Count("DDATA/press/right"), 0u);
   EXPECT_EQ(host().Count("NBIRTH"), 1u);
   Say(true, 2000);
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/right") >= 20; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/right") >= 20; })) << status().state.english;
   const auto births = Decoded("NBIRTH");
   ASSERT_EQ(births.size(), 2u);
   EXPECT_EQ(births[1]["payload"]["seq"], 0);
@@ -76,13 +76,13 @@ TEST_F(SparkplugHostTest, AnOldWillAndAnotherHostChangeNothing) {
   StartBroker();
   Say(true, 2000);
   StartWaitingFeed();
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH") == 2; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH") == 2; })) << status().state.english;
   Say(false, 1999);  // of the host's session before
   ASSERT_TRUE(host().SendText(broker().port(), "spBv1.0/STATE/other",
                               R"({"online": false, "timestamp": 9999})", false));
   ASSERT_TRUE(host().SendText(broker().port(), "spBv1.0/STATE/scada", "OFFLINE", false));
   Raise("left", 1);
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state.english;
   EXPECT_EQ(host().Count("NDEATH"), 0u);
   Say(true, 3000);  // a new session of the host that was not seen to end: everything is told anew
   ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH") >= 4; }));
@@ -94,7 +94,7 @@ TEST_F(SparkplugFeedTest, AlarmsOfThePressItselfAreThoseOfADeviceOfItsOwn) {
   StartFeed();
   ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH") == 2; }));
   RaiseOfPress("supply_or_oil");
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/press") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/press") == 1; })) << status().state.english;
   const Json birth = Decoded("DBIRTH/press/press").back();
   EXPECT_EQ(Metric(birth, "Alarms/supply_or_oil"), "UNACK");
   EXPECT_EQ(Metric(birth, "Health"), "C");  // no axis has been judged
@@ -143,41 +143,41 @@ TEST_F(SparkplugTlsTest, TellsThroughAnEncryptedConnectionWithCertificatesOfBoth
   StartTlsBroker();
   StartFeed(Encrypted("authority", "node"));
   Raise("left", 1);
-  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state;
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; })) << status().state.english;
   EXPECT_TRUE(status().connected);
 }
 
 TEST_F(SparkplugTlsTest, ABrokerOfAStrangeAuthorityIsNotTrusted) {
   StartTlsBroker();
   StartFeed(Encrypted("stranger", "node"));
-  EXPECT_TRUE(IsRefused()) << status().state;
+  EXPECT_TRUE(IsRefused()) << status().state.english;
 }
 
 TEST_F(SparkplugTlsTest, WithoutAnAuthorityThoseOfTheSystemCount) {
   StartTlsBroker();
   StartFeed(Encrypted("", "node"));
-  EXPECT_TRUE(IsRefused()) << status().state;
+  EXPECT_TRUE(IsRefused()) << status().state.english;
 }
 
 TEST_F(SparkplugTlsTest, ACertificateOfAnotherHostIsNotTrusted) {
   StartTlsBroker("DNS:elsewhere.example");
   StartFeed(Encrypted("authority", "node"));
-  EXPECT_TRUE(IsRefused()) << status().state;
+  EXPECT_TRUE(IsRefused()) << status().state.english;
 }
 
 TEST_F(SparkplugTlsTest, TheBrokerRefusesANodeWithoutACertificateItTrusts) {
   StartTlsBroker();
   StartFeed(Encrypted("authority", ""));
-  EXPECT_TRUE(IsRefused()) << status().state;
+  EXPECT_TRUE(IsRefused()) << status().state.english;
   StartFeed(Encrypted("authority", "nobody"));
-  EXPECT_TRUE(IsRefused()) << status().state;
+  EXPECT_TRUE(IsRefused()) << status().state.english;
 }
 
 TEST_F(SparkplugTlsTest, SaysWhyABrokerIsNotTrusted) {
   const auto reason = [&](const std::string& authority, const std::string& own) {
     StartFeed(Encrypted(authority, own));
     EXPECT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
-    return status().state;
+    return status().state.english;
   };
   EXPECT_THAT(reason("authority", "node"), HasSubstr("nobody listens at 127.0.0.1"));
   StartTlsBroker();
@@ -189,14 +189,14 @@ TEST_F(SparkplugTlsTest, SaysThatTheCertificateIsOfAnotherName) {
   StartTlsBroker("DNS:elsewhere.example");
   StartFeed(Encrypted("authority", "node"));
   ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
-  EXPECT_THAT(status().state, HasSubstr("it was made for another name"));
+  EXPECT_THAT(status().state.english, HasSubstr("it was made for another name"));
 }
 
 TEST_F(SparkplugTlsTest, SaysThatTheCertificateHasExpired) {
   StartTlsBroker("IP:127.0.0.1", true);
   StartFeed(Encrypted("authority", "node"));
   ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
-  EXPECT_THAT(status().state, HasSubstr("has expired"));
+  EXPECT_THAT(status().state.english, HasSubstr("has expired"));
 }
 
 TEST_F(SparkplugTlsTest, AKeyThatEverybodyMayReadIsRefused) {
@@ -204,7 +204,7 @@ TEST_F(SparkplugTlsTest, AKeyThatEverybodyMayReadIsRefused) {
   std::filesystem::permissions(files_.Key("node"), std::filesystem::perms(0644));
   StartFeed(Encrypted("authority", "node"));
   ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
-  EXPECT_THAT(status().state, HasSubstr("may be read by every user"));
+  EXPECT_THAT(status().state.english, HasSubstr("may be read by every user"));
 }
 
 TEST_F(SparkplugTlsTest, AFileThatIsNotThereIsNamed) {
@@ -212,7 +212,7 @@ TEST_F(SparkplugTlsTest, AFileThatIsNotThereIsNamed) {
   spec.key_file = File("lost.key");
   StartFeed(spec);
   ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
-  EXPECT_THAT(status().state, HasSubstr("lost.key cannot be read"));
+  EXPECT_THAT(status().state.english, HasSubstr("lost.key cannot be read"));
 }
 
 }  // namespace

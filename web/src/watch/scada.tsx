@@ -1,3 +1,4 @@
+import { Told } from "../told";
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { useUrl } from "../url_state";
@@ -43,7 +44,7 @@ export function Scada() {
       <h1>{say("view_scada")}</h1>
       {found.links.length === 0 ? <p class="quiet">{say("linksNone")}</p> : (
         <CardTable label={say("links")} heads={[say("links"), say("alarm_state"), say("clients"), say("behind")]}
-          rows={found.links.map((link) => [link.name, <span lang="en" class={link.connected ? "" : "moved"}>{link.connected ? "✓ " : "✗ "}{link.state}</span>, link.clients, link.behind])} />
+          rows={found.links.map((link) => [link.name, <span class={link.connected ? "" : "moved"}>{link.connected ? "✓ " : "✗ "}<Told of={link} what="state" /></span>, link.clients, link.behind])} />
       )}
       <div class="filters">
         {choice("feed", say("feed"), [...new Set(found.tags.map((t) => t.feed))])}

@@ -4,6 +4,7 @@ import { find, post } from "../api";
 import { Problem, useAttempt } from "../failure";
 import { pageColor } from "../plot";
 import { useStore } from "../store";
+import { Told } from "../told";
 import { nameOf, short, shownNumber } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
@@ -11,7 +12,7 @@ import type { Words } from "../words/en";
 import { CardTable } from "../workbench/parts";
 import { dateText, interval, isDate } from "./shown";
 import { tickTexts } from "./trend_axis";
-import type { Figure, MaybeNumber, Overview, ValveCheck } from "./watch_types";
+import type { Figure, MaybeNumber, Overview, ServiceStatus, ValveCheck } from "./watch_types";
 import { useWatch } from "./watch_store";
 
 const mostCurves = 6;  // of the checks, evenly over the years, the first and the last among them
@@ -94,12 +95,12 @@ function AskForSweep({ machine, service }: { machine: string; service: boolean }
   const say = useWords();
   const { session } = useStore();
   const { tick } = useWatch();
-  const [told, setTold] = useState("");
+  const [told, setTold] = useState<Pick<ServiceStatus, "valve_check" | "german"> | null>(null);
   const { problem, attempt } = useAttempt();
   useEffect(() => {
     if (!service) return;
     let gone = false;
-    const look = () => void find<{ service: { valve_check: string } | null }>("watch/service").then((found) => { if (!gone) setTold(found?.service?.valve_check ?? ""); }).catch(() => {});
+    const look = () => void find<{ service: ServiceStatus | null }>("watch/service").then((found) => { if (!gone) setTold(found?.service ?? null); }).catch(() => {});
     look();
     const again = setInterval(look, 2000);
     return () => { gone = true; clearInterval(again); };
@@ -110,7 +111,7 @@ function AskForSweep({ machine, service }: { machine: string; service: boolean }
   return (
     <div class="ask">
       {session?.changes && <button name="sweep" disabled={!service} title={service ? "" : say("serviceNone")} onClick={() => void ask()}>{say("valveAsk")}</button>}{" "}
-      <span role="status">{!service ? <span class="quiet">{say("valveNoService")}</span> : told && <span lang="en" data-told>{told}</span>}</span>
+      <span role="status">{!service ? <span class="quiet">{say("valveNoService")}</span> : told?.valve_check && <span data-told><Told of={told} what="valve_check" /></span>}</span>
       <Problem of={problem} />
     </div>
   );

@@ -57,7 +57,7 @@ export interface ValveCheck {
 }
 /** `scaling` is how the value becomes the unit people read: "x 1e-05 = bar". */
 export interface Tag { feed: string; axis: string; address: string; name: string; type: string; unit: string; scaling: string; meaning: string; value: string }
-export interface FeedLink { name: string; connected: boolean; state: string; clients: number; behind: number }
+export interface FeedLink { name: string; connected: boolean; state: string; german?: { state: string }; clients: number; behind: number }
 /** What speaks against strokes that are to be learned, and the reference that came of them. */
 export interface Learning {
   first: number; last: number; refused: boolean; doubts: { kind: string; text: string; german: string; refuses: boolean }[];
@@ -65,14 +65,14 @@ export interface Learning {
 }
 /** What a running service tells of itself (`status --json`, docs/command_line.md). */
 export interface ServiceStatus {
-  machine: string; counted?: "stroke" | "episode"; database: string; state: string; uptime_s: number; limits: string; cpu_s: number; memory_bytes: number; descriptors: number; valve_check: string;
-  sources: { name: string; connected: boolean; state: string; age_s: MaybeNumber; rows: number; lost_rows: number; reconnects: number; malformed: number }[];
+  machine: string; counted?: "stroke" | "episode"; database: string; state: string; uptime_s: number; limits: string; cpu_s: number; memory_bytes: number; descriptors: number; valve_check: string; german?: { limits: string; valve_check: string };
+  sources: { name: string; connected: boolean; state: string; german?: { state: string }; age_s: MaybeNumber; rows: number; lost_rows: number; reconnects: number; malformed: number }[];
   channels: { name: string; unit: string; rate_hz: number; age_s: MaybeNumber; value: MaybeNumber; noise_std: MaybeNumber; stale: boolean }[];
   axes: { name: string; strokes: number; counters: { missing_rows: number; late_rows: number; gaps: number } }[];
   feeds: FeedLink[];
   inbox: { batches: number; dropped_batches: number };
-  writer: { state: string; problem: string; begun_anew: string; free_bytes: number; database_bytes: number; waiting_items: number; waiting_bytes: number;
+  writer: { state: string; problem: string; begun_anew: string; german?: { problem: string; begun_anew: string }; free_bytes: number; database_bytes: number; waiting_items: number; waiting_bytes: number;
     strokes: number; rows: number; dropped_rows: number; dropped_strokes: number; latency_p50_s: number; latency_p99_s: number; latency_max_s: number };
-  drift: { problem: string };
+  drift: { problem: string; german?: { problem: string } };
   log?: { wall_s: number; level: string; text: string }[];
 }
