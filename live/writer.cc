@@ -1,5 +1,6 @@
 #include "live/writer.h"
 
+#include <sys/resource.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -27,6 +28,7 @@ constexpr std::size_t kStepsToCheckpoint =
     16;  // transactions; behind a stroke, when the next one is farthest
 constexpr std::size_t kStepsWithoutStroke = 128;
 constexpr std::size_t kStepsTogether = 128;
+constexpr int kPatience = 10;  // niceness of checkpoints beyond that of the service
 constexpr std::size_t kLatenciesKept = 65536;
 constexpr std::size_t kItemsKept = 10'000;
 
@@ -48,6 +50,11 @@ bool IsDamage(const Error& error, const std::string& path) {
 bool MayPass(const Error& error) {
   return Has(error, "file is gone") || Has(error, "disk is full") || Has(error, "another process") ||
          Has(error, "cannot be written") || Has(error, "cannot open") || Has(error, "SQLite error");
+}
+
+std::optional<Database> Opened(const std::string& path) {
+  auto database = Database::Open(path);
+  return database ? std::optional(std::move(*database)) : std::nullopt;
 }
 
 }  // namespace
@@ -74,6 +81,7 @@ LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::str
                        std::vector<Axis> axes, WriterOptions options, Clock clock, Acknowledged acknowledged)
     : database_(std::move(database)),
       path_(std::move(path)),
+      for_checkpoints_(Opened(path_)),
       signals_(std::move(signals)),
       axes_(std::move(axes)),
       options_(options),
@@ -131,7 +139,7 @@ void LiveWriter::Run() {
     lock.unlock();
     const Status file = LookAtFile();
     Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
-    if (done && !HasCurrent() && CheckpointIsDue()) done = Checkpoint();
+    if (done && !HasCurrent()) done = Checkpoint();
     lock.lock();
     if (!done && IsDamage(done.error(), path_)) damage_ = ToldOf(done.error());
     if (done || (file && damage_.empty() && !MayPass(done.error()))) {
@@ -143,13 +151,27 @@ void LiveWriter::Run() {
   }
 }
 
-/// Waits for the database as a step does, so that who is in its way is told from here on.
+/// Begins one if it is due, on a thread and a connection of its own: the disk takes its time, and strokes do not wait for it.
+/// Returns how the last one went, so that who is in its way is told.
 Status LiveWriter::Checkpoint() {
-  const Status done = database_->Checkpoint();
-  written_ = LastWritten(path_);
-  if (!done && MayPass(done.error())) return done;
+  std::lock_guard lock(mutex_);
+  if (checkpointing_ || !CheckpointIsDue()) return checkpointed_;
+  checkpointing_ = true;
   not_checkpointed_ = 0;
-  return {};
+  checkpointer_ = std::jthread([this] {
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kPatience);  // of this thread
+    const Status done = for_checkpoints_ ? for_checkpoints_->Checkpoint() : Status{};
+    {
+      std::lock_guard locked(mutex_);
+      written_ = LastWritten(path_);
+      checkpointing_ = false;
+      const bool again = !done && MayPass(done.error());
+      checkpointed_ = again || (!done && IsDamage(done.error(), path_)) ? done : Status{};
+      if (again) not_checkpointed_ = kStepsWithoutStroke;
+    }
+    changed_.notify_all();
+  });
+  return checkpointed_;
 }
 
 bool LiveWriter::CheckpointIsDue() const {
@@ -274,8 +296,7 @@ Status LiveWriter::LookAtFile() {
   const std::int64_t now = clock_().monotonic_ns;
   if (database_ && FileIdentity::Of(path_) == file_) {
     gone_since_ = 0;
-    const std::int64_t written = LastWritten(path_);
-    if (written != written_ && LookForDamage()) written_ = written;
+    LookForDamage();
     return {};
   }
   if (gone_since_ == 0) gone_since_ = now;
@@ -285,11 +306,14 @@ Status LiveWriter::LookAtFile() {
                    false);
 }
 
-/// Somebody else wrote into the file: another program of ours, or one that damages it. False: a look is under way that may have
-/// passed the place already.
-bool LiveWriter::LookForDamage() {
+/// Begins a look if somebody else wrote into the file: another program of ours, or one that damages it.
+void LiveWriter::LookForDamage() {
   std::lock_guard lock(mutex_);
-  if (std::exchange(checking_, true)) return false;
+  const std::int64_t written = LastWritten(path_);
+  if (checking_ || checkpointing_ || written == written_)
+    return;  // a look under way may have passed the place already
+  checking_ = true;
+  written_ = written;
   checker_ = std::jthread([this](const std::stop_token& stop) {
     const Status sound = Database::Check(path_, stop);
     {
@@ -300,11 +324,12 @@ bool LiveWriter::LookForDamage() {
     }
     changed_.notify_all();
   });
-  return true;
 }
 
 /// Another file that lies in place of ours is used if it is a database of ours, else it is set aside.
 Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
+  checkpointer_ = {};
+  for_checkpoints_.reset();
   database_.reset();  // before another file of this name is open: closing may remove what lies beside it
   const bool found = FileIdentity::Of(path_).exists();
   auto opened = damaged || !found ? Result<Database>(tl::unexpected(Error{})) : Database::Open(path_);
@@ -321,11 +346,13 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
     database_.reset();
     return begun;
   }
+  for_checkpoints_ = Opened(path_);
   file_ = FileIdentity::Of(path_);
   written_ = LastWritten(path_);
   gone_since_ = 0;
   std::lock_guard lock(mutex_);
   damage_ = {};
+  checkpointed_ = {};
   ++status_.databases;
   status_.begun_anew =
       kept.empty() ? why

@@ -93,7 +93,7 @@ class LiveWriter {
   Status BeginAnew(const Told& why, bool damaged);
   Status BeginRuns();
   Status BeginRun(Axis& axis, const char* ending);
-  bool LookForDamage();
+  void LookForDamage();
   bool CheckpointIsDue() const;
   Status Checkpoint();
   void Settle(const Status& done);
@@ -105,31 +105,33 @@ class LiveWriter {
 
   std::optional<Database> database_;  ///< nullopt: lost, and another one could not be begun yet
   std::string path_;
+  std::optional<Database> for_checkpoints_;  ///< used by `checkpointer_` alone while it runs
   std::vector<std::string> signals_;
   std::vector<Axis> axes_;
   WriterOptions options_;
   Clock clock_;
-  FileIdentity file_;  ///< the database as it was opened
-  std::int64_t written_ =
-      0;  ///< ns since 1970, when it was last written as far as we know: steps go into the log beside it
+  FileIdentity file_;            ///< the database as it was opened
+  std::int64_t written_ = 0;     ///< ns since 1970, when we last wrote into the file; steps go into its log
   std::int64_t gone_since_ = 0;  ///< ns, monotonic; 0: it is there
   Acknowledged acknowledged_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<WriteItem> items_;
   std::deque<std::pair<int, ValveCheckRecord>> valve_checks_;
-  std::vector<WriteItem> current_;    ///< taken off the queue by the thread, which alone touches it
-  std::size_t singly_ = 0;            ///< items to be taken one by one, because one of them was refused
-  std::size_t not_checkpointed_ = 0;  ///< transactions
-  bool stroke_stored_ = false;        ///< by the last one
+  std::vector<WriteItem> current_;  ///< taken off the queue by the thread, which alone touches it
+  std::size_t singly_ = 0;          ///< items to be taken one by one, because one of them was refused
+  std::atomic<std::size_t> not_checkpointed_ = 0;  ///< transactions
+  bool stroke_stored_ = false;                     ///< by the last one
   std::optional<std::pair<int, ValveCheckRecord>> current_check_;
   WriterStatus status_;
   std::vector<double> latencies_, commits_;
   std::set<int> broken_;
   Told damage_;  ///< what is wrong with the file, from a check or from SQLite itself
   bool checking_ = false;
+  bool checkpointing_ = false;
+  Status checkpointed_;  ///< how the last checkpoint went
   bool stopping_ = false, give_up_ = false;
-  std::jthread checker_;
+  std::jthread checker_, checkpointer_;
   std::thread thread_;
 };
 
