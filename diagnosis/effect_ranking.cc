@@ -31,9 +31,6 @@ bool Uses(const CandidateModel& model, int effect) {
                      [&](const auto& c) { return c.effect == effect; });
 }
 
-/// Nonlinear parameters that the law leaves to the data.
-std::size_t FreeNumbers(const Effect& effect) { return effect.implied ? 0 : effect.nonlinear.size(); }
-
 /// A law that is confused with `simpler` and has more free numbers: a leak that grows with the temperature, and a leak.
 bool IsFreerThan(const Effect& law, const Effect& simpler) {
   return FreeNumbers(law) > FreeNumbers(simpler) &&
@@ -50,6 +47,15 @@ void BestFirst(std::vector<RankedEffect>& ranking) {
 }
 
 }  // namespace
+
+bool AreConfused(const Effect& a, const Effect& b) {
+  const auto says = [](const Effect& one, const Effect& other) {
+    return std::find(one.confused_with.begin(), one.confused_with.end(), other.id) != one.confused_with.end();
+  };
+  return says(a, b) || says(b, a);
+}
+
+std::size_t FreeNumbers(const Effect& effect) { return effect.implied ? 0 : effect.nonlinear.size(); }
 
 Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
   return DifferenceWhereBoth(a.excess, b.excess);
@@ -136,12 +142,12 @@ bool EffectRanking::IsRefuted(const EffectEstimate& e) const {
          std::abs(e.size - known->second.size) > options_.min_t * std::hypot(e.std, known->second.std);
 }
 
-bool EffectRanking::IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
-                           const ExtendedFit& best, double best_gain) const {
-  const auto share = ShareOfTwins(strokes_.model(), id, best_id);
+bool EffectRanking::IsTwin(const Contender& candidate, const Contender& best) const {
+  const auto& effects = strokes_.model().effects;
+  const auto share = ShareOfTwins(strokes_.model(), effects[candidate.effect]->id, effects[best.effect]->id);
   // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it.
-  return share && gain > *share * best_gain - options_.sure_gain &&
-         fit.excess_ratio < best.excess_ratio + options_.twin_excess;
+  return share && candidate.gain > *share * best.gain - options_.sure_gain &&
+         candidate.fit->excess_ratio < best.fit->excess_ratio + options_.twin_excess;
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {
@@ -291,21 +297,22 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
          worse.sum() < std::max(options_.sure_gain, options_.MayRemain(gain));
 }
 
-std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking,
-                                               bool complete) const {
+bool EffectRanking::StaysBeside(const Contender& candidate, const Contender& best, double gain) const {
+  const auto& effects = strokes_.model().effects;
+  // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
+  const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
+                       best.gain - candidate.gain < options_.MayRemain(gain);
+  return simpler || IsTwin(candidate, best) || IsRival(*candidate.fit, *best.fit, gain);
+}
+
+std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
-  const auto& effects = strokes_.model().effects;
-  for (const RankedEffect& candidate : ranking) {
-    if (!candidate.stands_out) continue;
-    const bool twin = IsTwin(candidate.id, candidate.fit, candidate.gain, best.id, best.fit, best.gain);
-    // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
-    const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
-                         best.gain - candidate.gain < options_.MayRemain(candidate.gain);
-    if (twin || simpler || IsRival(candidate.fit, best.fit, complete ? 0 : best.gain))
+  for (const RankedEffect& candidate : ranking)
+    if (candidate.stands_out && StaysBeside({candidate.effect, &candidate.fit, candidate.gain},
+                                            {best.effect, &best.fit, best.gain}, best.gain))
       set.push_back(candidate.id);
-  }
   return set;
 }
 

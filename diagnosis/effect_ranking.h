@@ -24,6 +24,11 @@ std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view i
 /// Effect::Twin::share of two effects, nothing if they are none.
 std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view a, std::string_view b);
 
+/// Whether one of two effects is told to be easily taken for the other (Effect::confused_with, of either).
+bool AreConfused(const Effect& a, const Effect& b);
+/// Nonlinear parameters that a law leaves to the data.
+std::size_t FreeNumbers(const Effect& effect);
+
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.
 Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b);
@@ -51,12 +56,17 @@ class EffectRanking {
   /// Whether `candidate` explains about as well as `best`, which gained `gain`: a model confidence set by paired
   /// stroke-wise losses.
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best, double gain) const;
-  /// Effects of the ranking that stand out and are rivals of the first one, the first one included. `complete`: the first
-  /// leaves nothing to a further law, which would tell that its own is not quite right.
-  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking, bool complete) const;
-  /// An effect that is the same to first order as another one, and about as good (Effect::twins).
-  bool IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
-              const ExtendedFit& best, double best_gain) const;
+  /// An effect alone or in place of one of two, and what it gains there.
+  struct Contender {
+    int effect = 0;
+    const ExtendedFit* fit = nullptr;
+    double gain = 0;
+  };
+  /// Whether an effect stays in the set beside the best one: as good a rival where all of the model found gained `gain`, its twin,
+  /// or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
+  bool StaysBeside(const Contender& candidate, const Contender& best, double gain) const;
+  /// Effects of the ranking that stand out and stay beside the first one, the first one included.
+  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
   bool IsConfirmed(int effect) const;
   bool IsRefuted(const EffectEstimate& estimate) const;
@@ -69,6 +79,8 @@ class EffectRanking {
 
  private:
   RankedEffect Try(const CandidateModel& on, int effect) const;
+  /// An effect that is the same to first order as another one, and about as good (Effect::twins).
+  bool IsTwin(const Contender& candidate, const Contender& best) const;
   /// An admissible fit with `ranked` in a shape of its grid takes the place of one that gains less.
   void TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int shape, RankedEffect& ranked) const;
   /// Why these strokes cannot test an effect; `separable`: in some shape it is told from the model, `forbidden`: with a size

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/constants.h"
+#include "diagnosis/doubts.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
 
@@ -13,9 +15,6 @@ namespace hydroscope {
 namespace {
 
 using Groups = std::vector<std::vector<std::string>>;
-
-/// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
-constexpr double kSureOfMore = 1e-6;
 
 bool Contains(const std::vector<std::string>& group, const std::string& id) {
   return std::find(group.begin(), group.end(), id) != group.end();
@@ -49,13 +48,6 @@ class Explainer {
                          return (e.consistent || !refined) && !ranking_.IsRefuted(e);
                        });
   }
-  /// The model as it is leaves no more than noise, and none of the effects that stand out would not by chance.
-  bool MayBeChance(const Explanation& found) const {
-    return options_.IsDownToNoise(start_.fit) &&
-           std::none_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& r) {
-             return r.significant && (r.p_value < options_.chance_at_floor || ranking_.IsConfirmed(r.effect));
-           });
-  }
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
@@ -67,15 +59,12 @@ class Explainer {
   /// The model with the effects that explain the error, if some do; sets groups and second of `out`.
   std::optional<CandidateModel> Search(Explanation& out) const;
   void TakeSteps(const CandidateModel& model, Explanation& out) const;
+  void AddSharers(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
   void FindMargin(Explanation& out) const;
   void LookForRival(const CandidateModel& on, const std::vector<EffectChoice>& named, Explanation& out) const;
   bool IsSame(const RankedEffect& law, const CandidateModel& on,
               const std::vector<EffectChoice>& named) const;
-  std::optional<std::pair<std::string, std::string>> Relatives(const Groups& groups) const;
-  double LeastShare(const Explanation& found) const;
-  Told ValueAtItsLimit(const Explanation& found) const;
-  std::string MeasuredAndLeftOut(const ExtendedFit& fit) const;
   void LookForMore(Explanation& out) const;
   void Judge(Explanation& out) const;
 
@@ -167,15 +156,14 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     if (std::any_of(fit.effects.begin(), fit.effects.end(),
                     [&](const EffectEstimate& e) { return ranking_.IsRefuted(e); }))
       continue;
-    const bool rival = ranking_.IsRival(fit, best_fit, whole_gain);
     for (int mine = 0; mine < 2; ++mine)
       for (int theirs = 0; theirs < 2; ++theirs) {
         if (pairs[k].effect[1 - theirs] != best.effect[1 - mine] || ranking_.IsConfirmed(best.effect[mine]))
           continue;
-        const std::string &other = strokes_.model().effects[pairs[k].effect[theirs]]->id,
-                          &own = strokes_.model().effects[best.effect[mine]]->id;
-        const bool twin = ranking_.IsTwin(other, fit, pairs[k].gain, own, best_fit, best.gain);
-        if ((rival || twin) && !Contains(groups[mine], other)) groups[mine].push_back(other);
+        const std::string& other = strokes_.model().effects[pairs[k].effect[theirs]]->id;
+        const bool stays = ranking_.StaysBeside({pairs[k].effect[theirs], &fit, pairs[k].gain},
+                                                {best.effect[mine], &best_fit, best.gain}, whole_gain);
+        if (stays && !Contains(groups[mine], other)) groups[mine].push_back(other);
       }
   }
   return std::make_pair(best.model, groups);
@@ -191,7 +179,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     }
   }
   if (!first.significant) return std::nullopt;
-  out.groups = {ranking_.Rivals(out.ranking, true)};
+  out.groups = {ranking_.Rivals(out.ranking)};
   if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
@@ -199,7 +187,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
-  out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
+  out.groups = {ranking_.Rivals(out.ranking), ranking_.Rivals(out.second)};
   return WithSecond(model, second);
 }
 
@@ -209,6 +197,29 @@ void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {
   for (std::size_t k = start_.choices.size(); k < model.choices.size(); ++k) {
     const ExtendedFit partial = strokes_.Fit(std::span(model.choices).first(k + 1));
     out.steps.push_back({Id(model.choices[k]), partial.rms_holdout, partial.excess_ratio});
+  }
+}
+
+/// An effect easily taken for one that was found may have a part in it: where the strokes let the two share what was found, and
+/// a third of it may be the other, both stay.
+void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const {
+  const auto& effects = strokes_.model().effects;
+  for (std::size_t k = 0; k < out.groups.size(); ++k) {
+    const auto at = static_cast<std::size_t>(out.started) + k;
+    const Effect& own = *effects[out.chosen[at].effect];
+    if (ranking_.IsConfirmed(out.chosen[at].effect)) continue;
+    for (const RankedEffect& other : out.ranking) {
+      const bool is_named = std::any_of(out.groups.begin(), out.groups.end(),
+                                        [&](const auto& group) { return Contains(group, other.id); });
+      if (is_named || !other.stands_out || !AreConfused(own, *effects[other.effect]) ||
+          FreeNumbers(*effects[other.effect]) > FreeNumbers(own))
+        continue;
+      const CandidateModel both = ranking_.With(model, other.fit.effects.back().choice);
+      const bool apart =
+          both.fit.solved && std::abs(both.fit.effects[at].size) - kNormal95 * both.fit.effects[at].std >
+                                 options_.sure_share * std::abs(model.fit.effects[at].size);
+      if (!apart) out.groups[k].push_back(other.id);
+    }
   }
 }
 
@@ -256,12 +267,10 @@ void Explainer::LookForRival(const CandidateModel& on, const std::vector<EffectC
   }
 }
 
-/// Little of the law is left beside an effect that may be the one. An edge or a spool sensor that is not linear may have the very
-/// columns of a choked line and is another cause all the same.
+/// Little of the law is left beside an effect that may be the one.
 bool Explainer::IsSame(const RankedEffect& law, const CandidateModel& on,
                        const std::vector<EffectChoice>& named) const {
   const Effect& effect = *strokes_.model().effects[law.effect];
-  if (effect.plain_flow && effect.walks) return false;
   const double least =
       (effect.plain_flow ? options_.same_flow : options_.same_law) * law.fit.effects.back().independent;
   return std::any_of(named.begin(), named.end(), [&](const EffectChoice& choice) {
@@ -270,76 +279,12 @@ bool Explainer::IsSame(const RankedEffect& law, const CandidateModel& on,
   });
 }
 
-/// Two effects found at once of which one, or its twin, is easily taken for the other.
-std::optional<std::pair<std::string, std::string>> Explainer::Relatives(const Groups& groups) const {
-  if (groups.size() != 2) return std::nullopt;
-  const auto is_or_is_twin = [&](const std::string& id, const std::string& a) {
-    return id == a || ShareOfTwins(strokes_.model(), id, a);
-  };
-  const auto confused = [&](const std::string& a, const std::string& b) {
-    return std::any_of(strokes_.model().effects.begin(), strokes_.model().effects.end(), [&](const auto& e) {
-      return is_or_is_twin(e->id, a) &&
-             std::any_of(e->confused_with.begin(), e->confused_with.end(),
-                         [&](const std::string& other) { return is_or_is_twin(other, b); });
-    });
-  };
-  const std::string &a = groups[0].front(), &b = groups[1].front();
-  if (!confused(a, b) && !confused(b, a)) return std::nullopt;
-  return std::make_pair(a, b);
-}
-
-/// Share of the gain that would be lost with the effect that matters least; 1 if only one was found.
-double Explainer::LeastShare(const Explanation& found) const {
-  const auto started = static_cast<std::size_t>(found.started);
-  if (found.chosen.size() < started + 2) return 1;
-  const double gain = ranking_.Gain(start_.fit, found.final);
-  double least = 1;
-  for (std::size_t k = started; k < found.chosen.size(); ++k) {
-    std::vector<EffectChoice> others = found.chosen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    const ExtendedFit without = strokes_.Fit(others);
-    if (without.solved) least = std::min(least, ranking_.Gain(without, found.final) / gain);
-  }
-  return least;
-}
-
-/// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
-Told Explainer::ValueAtItsLimit(const Explanation& found) const {
-  for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
-    const Effect& effect = *strokes_.model().effects[found.chosen[k].effect];
-    const EffectShape& shape = strokes_.model().effect_shapes[found.chosen[k].effect][found.chosen[k].shape];
-    if (!shape.refined || effect.implied) continue;
-    for (std::size_t i = 0; i < shape.nonlinear.size(); ++i) {
-      const NonlinearParameter& value = effect.nonlinear[i];
-      const double margin = options_.limit_share * (value.max - value.min);
-      if (value.std > 0 || effect.grid.empty() ||
-          (shape.nonlinear[i] > value.min + margin && shape.nonlinear[i] < value.max - margin))
-        continue;
-      return Tell(
-          "{} of {} comes out at the limit of what it may be: another law of this kind may be at work",
-          "{} von {} liegt an der Grenze des Zulässigen: es kann ein anderes Gesetz dieser Art sein",
-          value.name, effect.id);
-    }
-  }
-  return {};
-}
-
-/// An effect that a test off the log says is there, and that is not in the model; "" if there is none.
-std::string Explainer::MeasuredAndLeftOut(const ExtendedFit& fit) const {
-  const auto& effects = strokes_.model().effects;
-  for (int e = 0; e < static_cast<int>(effects.size()); ++e)
-    if (ranking_.IsConfirmed(e) && std::none_of(fit.effects.begin(), fit.effects.end(),
-                                                [&](const auto& in) { return in.choice.effect == e; }))
-      return effects[static_cast<std::size_t>(e)]->id;
-  return "";
-}
-
 /// Near the floor is not at it: a law, named or not, that gains too little for a name but cannot be chance says that something
 /// is missing, which may be another law that is not in the library.
 void Explainer::LookForMore(Explanation& out) const {
   for (const auto& laws : {out.ranking, ranking_.RankGeneric(start_)})
     for (const RankedEffect& law : laws)
-      if (law.fit.solved && law.p_value < kSureOfMore &&
+      if (law.fit.solved && law.p_value < options_.sure_of_more &&
           law.gain > std::max(options_.doubt_remainder, out.remainder)) {
         out.remainder = law.gain;
         out.remainder_law = law.id;
@@ -362,39 +307,7 @@ void Explainer::Judge(Explanation& out) const {
     out.groups.clear();
     return;
   }
-  if (const std::string known = MeasuredAndLeftOut(out.final); !known.empty()) {
-    out.doubt = Tell(
-        "the test off the log says that {} is there, which is not in this model: it may be part of the size found",
-        "die Prüfung ohne Log sagt, dass {} da ist, was in diesem Modell fehlt: die gefundene Größe kann es enthalten",
-        known);
-  } else if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
-    out.doubt = Tell("it leaves something that another law would explain ({})",
-                     "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", out.remainder_law);
-  } else if (out.final.excess_ratio > options_.doubt_excess) {
-    out.doubt = Tell("it leaves {:.0f} % more energy than sensor noise",
-                     "es bleiben {:.0f} % mehr Energie als das Sensorrauschen", 100 * out.final.excess_ratio);
-  } else if (out.margin < options_.doubt_margin) {
-    out.doubt = Tell("a law without a name explains the error as well ({})",
-                     "ein Gesetz ohne Namen erklärt den Fehler ebenso gut ({})", out.margin_law);
-  } else if (MayBeChance(out)) {
-    out.doubt = Tell(
-        "without it the error is no larger than noise, and of so many effects one may stand out by chance",
-        "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
-        "zufällig hervortreten");
-  } else if (Told limit = ValueAtItsLimit(out); !limit.empty()) {
-    out.doubt = std::move(limit);
-  } else if (const auto blend = Relatives(out.groups)) {
-    out.doubt = Tell("{} and {} have similar signatures, and together they can pass for a third law",
-                     "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
-                     blend->first, blend->second);
-  } else if (const double least = LeastShare(out); least < options_.small_second) {
-    out.doubt = Tell(
-        "one of the effects makes {:.1f} % of the difference only, as much as the other may owe to a "
-        "law that is not quite its own",
-        "einer der Effekte macht nur {:.1f} % des Unterschieds aus, so viel wie am anderen liegen kann, wenn dessen "
-        "Gesetz nicht ganz zutrifft",
-        100 * least);
-  }
+  out.doubt = Doubts(strokes_, options_, start_, ranking_).Of(out, AtFloor(out.final));
   out.partial = !out.doubt.empty();
   for (const auto& group : out.groups) out.set.push_back(group.front());
   for (const auto& group : out.groups)
@@ -419,6 +332,7 @@ Explanation Explainer::Run() {
     return out;
   }
   TakeSteps(*model, out);
+  AddSharers(*model, out);
   FindRemainder(*model, out);
   FindMargin(out);
   Judge(out);

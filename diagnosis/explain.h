@@ -79,6 +79,8 @@ struct ExplainOptions {
   std::size_t pair_firsts = 5;  ///< first effects on top of which every second one is tried
   double close_gain = 0.1;      ///< effects that gain this share of the best are refined
   double first_look_t = 3.0;    ///< second_t before shapes are refined, which makes sizes surer
+  /// Share of an effect that must be sure beside another that is easily taken for it, else a third of it may be that.
+  double sure_share = 2.0 / 3;
   /// A generic law of which less than this share is left beside a named effect is much the same as that effect. Leaks to
   /// sides of different pressure are much the same too, and yet different causes: such a flow must be the very same.
   double same_law = 0.02, same_flow = 1e-4;
@@ -105,6 +107,8 @@ struct ExplainOptions {
   /// p-value that an effect needs where the model as it is leaves no more than noise: some thirty effects in several shapes
   /// each are tried, which together find one in a hundred such logs (Bonferroni).
   double chance_at_floor = 1e-4;
+  /// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
+  double sure_of_more = 1e-6;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <set>
 
+#include "diagnosis/odd_strokes.h"
 #include "models/counted_words.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
@@ -24,9 +25,9 @@ using Kind = LearningDoubt::Kind;
 constexpr std::int64_t kLooked = 200;
 constexpr std::int64_t kMostSummaries = 100'000;
 constexpr std::int64_t kStrokesWhoseRowsAreLookedAt = 20;
-constexpr std::array<const char*, 8> kDoubtNames = {"model_versions", "open_alarm",   "change",
-                                                    "implausible",    "too_slow",     "effect",
-                                                    "unexplained",    "not_explained"};
+constexpr std::array<const char*, 9> kDoubtNames = {"model_versions", "open_alarm",  "change",
+                                                    "implausible",    "too_slow",    "effect",
+                                                    "odd_strokes",    "unexplained", "not_explained"};
 
 std::vector<LearningDoubt> OfModelVersions(const Database& database, const HistoryPart& part) {
   const auto runs = database.Runs(part.id);
@@ -82,6 +83,29 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
        Tell(
            "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it",
            "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt es")}};
+}
+
+/// Where the model describes all but a few strokes, these are none of the healthy machine: a sensor that stood still for a while,
+/// or what went on in one bad stretch.
+std::vector<LearningDoubt> OfOddStrokes(const StrokeHistory& history, const Explanation& x) {
+  if (x.verdict != Verdict::kUnknown || !x.no_verdict.empty() || !x.base.solved) return {};
+  ExplainOptions options = OptionsForEquations({}, history.equations());
+  options.start = history.machine.added_effects;
+  const auto parted = ExplainOddStrokes(StrokeSet(x.model, history.units, history.window), x, options);
+  if (!parted || parted->odd_strokes.empty()) return {};
+  std::vector<std::string> odd;
+  for (const OddStrokes& some : parted->odd_strokes)
+    for (const std::size_t unit : some.strokes) {
+      const HistoryPart& part = history.unit_parts[unit];
+      odd.push_back(part.strokes() == 1 ? fmt::format("{}", part.first)
+                                        : fmt::format("{} ... {}", part.first, part.last - 1));
+    }
+  return {
+      {Kind::kOddStrokes,
+       Tell(
+           "a few of them differ from the others, which the model describes: {}. Leave them out with --from and --to",
+           "einige wenige weichen von den übrigen ab, die das Modell beschreibt: {}. Ohne sie lernen (--from, --to)",
+           fmt::format("{}", fmt::join(odd, ", ")))}};
 }
 
 /// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they
@@ -159,8 +183,10 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
     return doubts;
   }
   const auto history = LoadHistory(database, path, {part}, machine);
-  Append(doubts, OfVerdict(history ? ExplainHistory(*history)
-                                   : Result<ExplainResult>(tl::unexpected(history.error()))));
+  const auto result =
+      history ? ExplainHistory(*history) : Result<ExplainResult>(tl::unexpected(history.error()));
+  Append(doubts, OfVerdict(result));
+  if (result) Append(doubts, OfOddStrokes(*history, result->explanation));
   if (std::any_of(doubts.begin(), doubts.end(), [](const auto& d) { return d.kind == Kind::kUnexplained; }))
     Append(doubts, OfTrends(database, part, machine));
   return doubts;

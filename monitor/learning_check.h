@@ -19,6 +19,7 @@ struct LearningDoubt {
     kImplausible,    ///< their sizes are none that such a machine has: a unit was wrong
     kTooSlow,        ///< their rows are too far apart to conclude anything from them
     kEffect,         ///< `explain` names an effect in them, or several it cannot tell apart
+    kOddStrokes,     ///< a few of them differ from the others, which the model describes
     kUnexplained,    ///< `explain` says unknown: the model misses something, known or not
     kNotExplained,   ///< they could not be explained
   };
@@ -28,7 +29,7 @@ struct LearningDoubt {
   /// A model that is not perfect is no fault of the machine: the last two only warn.
   bool Refuses() const { return kind < Kind::kUnexplained; }
 };
-/// "model_versions", "open_alarm", "change", "effect", "unexplained", "not_explained".
+/// "model_versions", "open_alarm", "change", "effect", "odd_strokes", "unexplained", "not_explained".
 const char* LearningDoubtName(LearningDoubt::Kind kind);
 
 /// What makes the signals of the strokes of `part` worthless, whatever the model: kImplausible or kTooSlow.

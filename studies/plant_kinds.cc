@@ -34,6 +34,7 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
   if (s.kind == "quadratic_relief") s.extra["crack"] = Between(random, 130e5, 180e5);
   if (s.kind == "rectangular_zone")
     s.extra = {{"centre", Between(random, 0.04, 0.15)}, {"width", Between(random, 0.012, 0.03)}};
+  if (s.kind == "spool_nonlinearity") s.extra["power"] = Between(random, 2, 4);
   if (s.kind == "two_gain_spool") s.extra["knee"] = Between(random, 0.08, 0.25);
   if (s.kind == "leakage_temperature") s.extra["rate"] = Between(random, 0.02, 0.05);
   if (s.kind == "exponential_viscosity") s.extra["rate"] = Between(random, 0.03, 0.08);
@@ -55,7 +56,8 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
 /// Signed sizes of kinds that go both ways.
 bool GoesBothWays(const std::string& kind) {
   return kind.ends_with("_drift") || kind == "pressure_zero" || kind == "pressure_gain" ||
-         kind == "wrong_area" || kind == "bad_stretch" || kind == "exponential_viscosity";
+         kind == "wrong_area" || kind == "spool_nonlinearity" || kind == "bad_stretch" ||
+         kind == "exponential_viscosity";
 }
 
 ImperfectionSetting DrawImperfection(std::mt19937_64& random, const std::string& kind) {
@@ -107,6 +109,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"y_0_drift", kLibrary, {"y_0_drift"}},
       {"pressure_gain", kLibrary, {"pressure_gain"}},
       {"pressure_zero", kLibrary, {"pressure_offset"}},
+      {"spool_nonlinearity", kLibrary, {"spool_nonlinearity"}},
       {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}},
       {"pressure_signal_lag", kLibrary, {"pressure_signal_lag"}},
       {"spool_signal_lag", kLibrary, {"spool_signal_lag"}},

@@ -9,6 +9,7 @@
 #include "estimation/frequency_response/correlation.h"
 #include "estimation/frequency_response/disturbed_points.h"
 #include "estimation/frequency_response/model.h"
+#include "estimation/frequency_response/model_refusal.h"
 #include "estimation/frequency_response/segments.h"
 #include "estimation/frequency_response/welch.h"
 
@@ -211,8 +212,43 @@ std::string DisturbedWarning(const std::vector<FrequencyPoint>& points) {
       CountReason(points, PointReason::kDisturbed), lowest, highest);
 }
 
-Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const FrequencyResponseOptions& options) {
+/// The record with its response `samples` earlier.
+FrequencyRecord Advanced(const FrequencyRecord& record, std::size_t samples) {
+  FrequencyRecord advanced{record.sample_period, {}, record.shares};
+  for (const SignalRun& run : record.runs) {
+    if (run.input.size() <= samples) continue;
+    const auto by = static_cast<std::ptrdiff_t>(samples);
+    advanced.runs.push_back(
+        {run.start, {run.input.begin(), run.input.end() - by}, {run.output.begin() + by, run.output.end()}});
+  }
+  return advanced;
+}
+
+/// Averaged spectra take a response that is late by a share of a segment for weaker by that share, without a sign of it (Bendat and
+/// Piersol 2010, sec. 9.3.1). Where it is late by more than a hundredth, command and response are first set side by side, and the
+/// delay is put back into the phase.
+Result<WelchSpectra> SpectraSideBySide(const FrequencyRecord& record,
+                                       const FrequencyResponseOptions& options) {
+  constexpr double kLate = 0.01;  // of a segment
   auto spectra = EstimateByWelch(record, options);
+  if (!spectra) return spectra;
+  const auto rough = FitValveModel(spectra->points, kHannCorrelation, record.sample_period);
+  if (!rough) return spectra;
+  const double late = std::round(rough->dead_time.value / record.sample_period);
+  if (late < kLate * static_cast<double>(spectra->segment_length) ||
+      late > static_cast<double>(spectra->segment_length))
+    return spectra;
+  FrequencyResponseOptions same = options;
+  same.segment_length = spectra->segment_length;
+  auto aligned = EstimateByWelch(Advanced(record, static_cast<std::size_t>(late)), same);
+  if (!aligned) return spectra;
+  for (FrequencyPoint& p : aligned->points)
+    p.response *= std::polar(1.0, -2 * std::numbers::pi * p.frequency * late * record.sample_period);
+  return aligned;
+}
+
+Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const FrequencyResponseOptions& options) {
+  auto spectra = SpectraSideBySide(record, options);
   if (!spectra) return tl::unexpected(spectra.error());
   FrequencyResponse response;
   response.method = FrequencyResponseMethod::kWelch;
@@ -269,7 +305,11 @@ void AddModelWarnings(FrequencyResponse& response) {
         "the dead time is negative: the command is recorded later than the response, "
         "or it is not the signal the valve gets");
   }
-  if (m.first_order) {
+  if (m.first_order && m.bandwidth.std > kWeakFrequency * m.bandwidth.value) {
+    response.warnings.push_back(
+        "the response is of first order as far as it is seen, and not even its corner frequency is determined: record "
+        "longer, with more amplitude, or sweep higher");
+  } else if (m.first_order) {
     response.warnings.push_back(fmt::format(
         "the response is of first order with dead time: only its corner frequency f0/(2 D) = {:.4g} Hz is "
         "determined, D is held at {:.3g}",
@@ -370,7 +410,10 @@ Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record
   }
   auto response = method == FrequencyResponseMethod::kSine ? BySteppedSines(record, search, options)
                                                            : ByWelch(record, options);
-  if (response) AddModelWarnings(*response);
+  if (!response) return response;
+  response->model_reason = WhyNoModel(*response, record.shares);
+  if (!response->model_reason.empty()) response->model.reset();
+  AddModelWarnings(*response);
   return response;
 }
 

@@ -108,6 +108,7 @@ struct SignalRun {
 struct FrequencyRecord {
   double sample_period = 0;     ///< s
   std::vector<SignalRun> runs;  ///< the log, cut at gaps
+  bool shares = false;          ///< of full command and of the stroke: the gain of a valve is about 1
 };
 
 struct FrequencyResponseOptions {

@@ -12,9 +12,8 @@ namespace {
 constexpr const char* kPrefix = "generic: ";
 // With these begin the laws of the flow through the valve.
 constexpr std::string_view kGain = "flow gain", kNull = "null";
-// Much the same as an effect of the library, and yet of another cause: a leak to a side of another pressure; a spool sensor or an
-// edge that is not linear, which lets through less at large openings as a choked return line does.
-constexpr std::string_view kLeak = "flow with ", kNotLinear = "flow gain with y_v^2";
+// Much the same as an effect of the library, and yet of another cause: a leak to a side of another pressure.
+constexpr std::string_view kLeak = "flow with ";
 // Scales that bring every signal to about 1, so that the laws are of similar size.
 constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0, kMiddle = 313.15;
 constexpr double kAbsolute = 1.013e5;  // Pa, from gauge to absolute pressure
@@ -63,7 +62,7 @@ std::shared_ptr<const Effect> Law(const char* what, EffectVariant variant, std::
   effect->id = std::string(kPrefix) + what;
   effect->title = what;
   effect->generic = true;
-  effect->plain_flow = effect->title.starts_with(kLeak) || effect->title == kNotLinear;
+  effect->plain_flow = effect->title.starts_with(kLeak);
   effect->walks = effect->title.starts_with(kGain) || effect->title.starts_with(kNull);
   effect->min = -std::numeric_limits<double>::infinity();
   effect->max = std::numeric_limits<double>::infinity();
@@ -100,7 +99,8 @@ std::vector<std::shared_ptr<const Effect>> CushionLaws() {
       Law("flow with y_v", FlowOf([](const Stretch& s, int k) { return Y(s, k); })),
       Law("flow gain with y_v",
           FlowOf([](const Stretch& s, int k) { return Valve(s, k) * std::abs(Y(s, k)); })),
-      Law(kNotLinear.data(), FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Y(s, k) * Y(s, k); })),
+      Law("flow gain with y_v^2",
+          FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Y(s, k) * Y(s, k); })),
       Law("flow gain with p_A", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * P(s, k); })),
       Law("flow gain with z", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Z(s, k); })),
       Law("flow gain with T_oil", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Oil(s, k); }),

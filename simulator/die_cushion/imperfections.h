@@ -41,6 +41,7 @@ enum class ImperfectionKind {
   kPressureZero,
   kPressureGain,
   kPressureZeroDrift,
+  kSpoolBend,
   kSensorHum,
   kBadStretch,
   kFrozen,

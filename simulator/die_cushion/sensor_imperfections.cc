@@ -56,6 +56,9 @@ void SensorImperfections::Distort(PressRow& row) {
       case kPressureZeroDrift:
         row.p_A += one.size * part;
         break;
+      case kSpoolBend:
+        row.y_v += one.size * row.y_v * std::pow(std::abs(row.y_v), one.extras[0] - 1);
+        break;
       case kSensorHum:
         row.p_A += one.size * std::sin(2 * std::numbers::pi * one.extras[0] * row.t + one.extras[1]);
         break;

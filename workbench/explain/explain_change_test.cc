@@ -53,6 +53,15 @@ TEST(ExplainHistory, SumsOfProductsAloneNameTheEffect) {
   EXPECT_EQ(healthy->explanation.verdict, Verdict::kAdequate);
 }
 
+/// A tank line at another pressure gives the same flow, and stored sums have no columns of it.
+TEST(ExplainHistory, ANameWhoseTwinIsNotStoredIsDoubted) {
+  const auto result = ExplainHistory(HistoryOf(Cushion(3, {{"pressure_offset", 6e5, {}}})));
+  ASSERT_TRUE(result.has_value());
+  ASSERT_THAT(result->explanation.set, Contains("pressure_offset"));
+  EXPECT_TRUE(result->explanation.partial);
+  EXPECT_THAT(result->explanation.doubt.english, HasSubstr("tank_pressure looks the same"));
+}
+
 TEST(ExplainHistory, AThresholdBetweenTheGridValuesIsFoundByInterpolation) {
   const auto result = ExplainHistory(HistoryOf(Cushion(5, {{"relief_valve", 5e-11, {{"crack", 160e5}}}})));
   ASSERT_TRUE(result.has_value());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/told_error.h"
+#include "diagnosis/effect_ranking.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
@@ -163,12 +164,29 @@ Told WhyEpisodesDoNotTell(const StrokeHistory& history, const ExplainResult& res
 
 }  // namespace
 
+void DoubtForTwinNotStored(Explanation& x) {
+  if (x.partial || x.set.empty()) return;
+  for (const std::string& named : x.set)
+    for (const std::string& twin : TwinsOf(*x.model, named)) {
+      const bool tried = std::any_of(x.model->effects.begin(), x.model->effects.end(),
+                                     [&](const auto& effect) { return effect->id == twin; });
+      if (tried) continue;
+      x.partial = true;
+      x.doubt = Tell(
+          "{} looks the same and is tried on a log only: stored strokes keep no columns of it",
+          "{} sieht genauso aus und wird nur an einer Aufzeichnung versucht: gespeicherte Hübe behalten keine Spalten davon",
+          twin);
+      return;
+    }
+}
+
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
   auto out = ExplainUnits(history, own);
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
+  DoubtForTwinNotStored(x);
   RefuseVerdict(WhyEpisodesDoNotTell(history, *out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
     *floor = history.NoiseFloor(*floor);

@@ -15,6 +15,9 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations);
 /// ExplainOptions::start is taken from the machine.
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options = {});
 
+/// Flags a set of which a twin is in no stored Gram (Effect::twins, Effect::needs_samples): it was not tried.
+void DoubtForTwinNotStored(Explanation& x);
+
 /// The same with `options` as they are: start, thresholds and all.
 Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& options);
 

@@ -38,6 +38,7 @@
   _(LaminarEdge)                     \
   _(PressureDependentBulkModulus)    \
   _(LeakageTemperature)              \
+  _(SpoolNonlinearity)               \
   _(PressureGain)                    \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
