@@ -13,7 +13,8 @@ bool Doubts::MayBeChance(const Explanation& found) const {
 }
 
 /// Two effects found at once of which one, or its twin, is easily taken for the other.
-std::optional<std::pair<std::string, std::string>> Doubts::Relatives(const std::vector<std::vector<std::string>>& groups) const {
+std::optional<std::pair<std::string, std::string>> Doubts::Relatives(
+    const std::vector<std::vector<std::string>>& groups) const {
   if (groups.size() != 2) return std::nullopt;
   const auto is_or_is_twin = [&](const std::string& id, const std::string& a) {
     return id == a || ShareOfTwins(strokes_.model(), id, a);
@@ -86,15 +87,15 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
   }
   if (!at_floor || found.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
     return Tell("it leaves something that another law would explain ({})",
-                     "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", found.remainder_law);
+                "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", found.remainder_law);
   }
   if (found.final.excess_ratio > options_.doubt_excess) {
     return Tell("it leaves {:.0f} % more energy than sensor noise",
-                     "es bleiben {:.0f} % mehr Energie als das Sensorrauschen", 100 * found.final.excess_ratio);
+                "es bleiben {:.0f} % mehr Energie als das Sensorrauschen", 100 * found.final.excess_ratio);
   }
   if (found.margin < options_.doubt_margin) {
     return Tell("a law without a name explains the error as well ({})",
-                     "ein Gesetz ohne Namen erklärt den Fehler ebenso gut ({})", found.margin_law);
+                "ein Gesetz ohne Namen erklärt den Fehler ebenso gut ({})", found.margin_law);
   }
   if (MayBeChance(found)) {
     return Tell(
@@ -107,8 +108,8 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
   }
   if (const auto blend = Relatives(found.groups)) {
     return Tell("{} and {} have similar signatures, and together they can pass for a third law",
-                     "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
-                     blend->first, blend->second);
+                "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
+                blend->first, blend->second);
   }
   if (const double least = LeastShare(found); least < options_.small_second) {
     return Tell(

@@ -194,6 +194,14 @@ TEST_F(WorkbenchHistory, ALeakingMachineIsNotLearnedAsTheHealthyOne) {
   EXPECT_THAT(alarms.out, HasSubstr("doubtful_reference"));
 }
 
+/// Of a sensor that read too high for a while the model describes all strokes but those.
+TEST_F(WorkbenchHistory, ABadStretchIsNotLearnedAsPartOfTheHealthyMachine) {
+  Replay({Simulate("bad.csv", 650, 5, {"--imperfection", "bad_stretch"})});
+  const Ran learned = Run({"learn", "--db", Db(), "-m", machine_});
+  EXPECT_EQ(learned.exit_code, 3);
+  EXPECT_THAT(learned.err, HasSubstr("a few of them differ from the others"));
+}
+
 /// No place of a change, and no effect of one size.
 TEST_F(WorkbenchHistory, AMachineWhoseLeakGrowsFromLogToLogIsNotLearnedAsTheHealthyOne) {
   std::vector<std::string> logs;

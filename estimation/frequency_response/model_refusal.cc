@@ -44,7 +44,8 @@ double DistanceFromDelay(const std::vector<FrequencyPoint>& points) {
   const double count = SumOverUsed(points, [](const auto&) { return 1.0; });
   if (count < kFewestPoints) return std::numeric_limits<double>::infinity();
   const double gain = SumOverUsed(points, [](const auto& p) { return std::abs(p.response); }) / count;
-  const double turned = std::cos(std::ranges::find(points, PointReason::kUsed, &FrequencyPoint::reason)->phase);
+  const double turned =
+      std::cos(std::ranges::find(points, PointReason::kUsed, &FrequencyPoint::reason)->phase);
   const auto phase = [&](const FrequencyPoint& p) {
     return p.phase - (turned < 0 ? std::copysign(std::numbers::pi, p.phase) : 0.0);
   };

@@ -29,12 +29,13 @@ Effect SpoolNonlinearity(const CushionGeometry&) {
   e.plain =
       "The reading of the spool position is not in proportion to the opening; look for: the valve's position "
       "transducer or its amplifier set up wrongly, a transducer driven near the end of its range.";
-  e.german = {"Nichtlinearer Schiebersensor",
-              "Die gemessene Schieberstellung wächst nicht im Verhältnis zur Öffnung; zu suchen: ein falsch "
-              "eingestellter Wegaufnehmer des Ventils oder dessen Verstärker, ein Aufnehmer nahe dem Ende seines "
-              "Bereichs.",
-              "ein Manometer gleich hinter dem Ventil bei einem schnellen Hub: bleibt es beim Tankdruck, so liegt es an "
-              "Sensor oder Kante; diese trennt die Kennlinie des Ventils auf dem Prüfstand"};
+  e.german = {
+      "Nichtlinearer Schiebersensor",
+      "Die gemessene Schieberstellung wächst nicht im Verhältnis zur Öffnung; zu suchen: ein falsch "
+      "eingestellter Wegaufnehmer des Ventils oder dessen Verstärker, ein Aufnehmer nahe dem Ende seines "
+      "Bereichs.",
+      "ein Manometer gleich hinter dem Ventil bei einem schnellen Hub: bleibt es beim Tankdruck, so liegt es an "
+      "Sensor oder Kante; diese trennt die Kennlinie des Ventils auf dem Prüfstand"};
   e.told_apart_by =
       "a pressure gauge right behind the valve during a fast stroke: where it stays at the tank's pressure, sensor or edge is "
       "the cause; the valve's flow curve on a test bench tells these two apart";
