@@ -22,22 +22,41 @@ struct Revolution {
   std::array<Complex, kOrders> order{};
 };
 
-/// By the trapezoidal rule over the angle, parts of rows at both ends as lines.
-std::vector<Revolution> RevolutionsOf(const std::vector<double>& turns, const std::vector<double>& y) {
-  std::vector<Revolution> out(static_cast<std::size_t>(turns.back()));
+/// Part of the line between two readings that lies within one revolution.
+struct Part {
+  std::size_t revolution;
+  double from, to;    ///< turns
+  double begin, end;  ///< readings
+};
+
+std::vector<Part> PartsOf(const std::vector<double>& turns, const std::vector<double>& y) {
+  const auto revolutions = static_cast<std::size_t>(turns.back());
+  std::vector<Part> parts;
   for (std::size_t row = 0; row + 1 < turns.size(); ++row) {
-    const double span = turns[row + 1] - turns[row];
+    const double rise = (y[row + 1] - y[row]) / (turns[row + 1] - turns[row]);
     for (double from = turns[row]; from < turns[row + 1];) {
       const auto at = static_cast<std::size_t>(from);
-      if (at >= out.size()) return out;
-      const double to = std::min(turns[row + 1], static_cast<double>(at + 1)), middle = 0.5 * (from + to);
-      const double area = (to - from) * (y[row] + (middle - turns[row]) / span * (y[row + 1] - y[row]));
-      out[at].mean += area;
-      const Complex turned = std::polar(1.0, -kTurn * middle);
-      Complex factor = 1;
-      for (Complex& order : out[at].order) order += area * (factor *= turned);
+      if (at >= revolutions) return parts;
+      const double to = std::min(turns[row + 1], static_cast<double>(at + 1));
+      parts.push_back({at, from, to, y[row] + (from - turns[row]) * rise, y[row] + (to - turns[row]) * rise});
       from = to;
     }
+  }
+  return parts;
+}
+
+/// By the trapezoidal rule over the angle. Orders are of what a reading is beyond the mean: revolutions do not begin at rows, and
+/// what the rule errs by at their ends goes with what it is applied to, be it a ripple of half a bar or a mean of 200.
+std::vector<Revolution> RevolutionsOf(const std::vector<double>& turns, const std::vector<double>& y) {
+  std::vector<Revolution> out(static_cast<std::size_t>(turns.back()));
+  const std::vector<Part> parts = PartsOf(turns, y);
+  for (const Part& p : parts) out[p.revolution].mean += 0.5 * (p.to - p.from) * (p.begin + p.end);
+  for (const Part& p : parts) {
+    Revolution& revolution = out[p.revolution];
+    const Complex from = std::polar(1.0, -kTurn * p.from), to = std::polar(1.0, -kTurn * p.to);
+    Complex begin = 0.5 * (p.to - p.from) * (p.begin - revolution.mean),
+            end = 0.5 * (p.to - p.from) * (p.end - revolution.mean);
+    for (Complex& order : revolution.order) order += (begin *= from) + (end *= to);
   }
   return out;
 }
@@ -104,6 +123,16 @@ std::vector<double> SizesOf(const std::vector<Revolution>& revolutions,
   return sizes;
 }
 
+/// The middle one of each three: a step of the signal itself spoils the size of the revolution that it falls into, a change of
+/// the ripple stays.
+std::vector<double> WithoutOutliers(const std::vector<double>& sizes) {
+  std::vector<double> out = sizes;
+  for (std::size_t r = 1; r + 1 < sizes.size(); ++r)
+    out[r] =
+        std::max(std::min(sizes[r - 1], sizes[r]), std::min(std::max(sizes[r - 1], sizes[r]), sizes[r + 1]));
+  return out;
+}
+
 }  // namespace
 
 ShaftRipple::ShaftRipple(const std::vector<double>& turns, const std::vector<double>& readings) {
@@ -114,7 +143,7 @@ ShaftRipple::ShaftRipple(const std::vector<double>& turns, const std::vector<dou
   sizes_.assign(revolutions.size(), 1.0);
   for (int round = 0; round < kRounds && !empty(); ++round) {
     shape_ = ShapeOf(revolutions, sizes_);
-    sizes_ = SizesOf(revolutions, shape_);
+    sizes_ = WithoutOutliers(SizesOf(revolutions, shape_));
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/shaft_ripple.h"
+
 namespace hydroscope {
 namespace {
 
@@ -77,6 +79,31 @@ TEST(ShaftRows, LeaveNoMeanOfARippleThatGrowsWithinARevolution) {
     readings += 1;
   }
   EXPECT_LT(std::sqrt(energy / readings), 1e-3);
+}
+
+/// Orders of a shaft of 400 rad/s in readings of 200 bar that step by 5 bar now and then; bar.
+ShaftRipple RippleOfStepped(double mean, const std::vector<double>& turns) {
+  std::vector<double> readings;
+  for (const double turn : turns)
+    readings.push_back(mean + (std::fmod(turn, 40) < 20.3 ? 0.0 : 5.0) +
+                       0.5 * std::sin(9 * 2 * std::numbers::pi * turn) +
+                       0.1 * std::cos(2 * std::numbers::pi * turn));
+  return {turns, readings};
+}
+
+TEST(ShaftRipple, OfHalfABarIsFoundOn200BarThatStep) {
+  std::vector<double> turns;
+  for (int row = 0; row < 24'000; ++row) turns.push_back(400 * kPeriod * row / (2 * std::numbers::pi));
+  const ShaftRipple ripple = RippleOfStepped(200, turns);
+  ASSERT_FALSE(ripple.empty());
+  double energy = 0, rows = 0;
+  for (std::size_t row = 1000; row + 1000 < turns.size(); ++row) {
+    energy += std::pow(ripple.At(turns[row]) - 0.5 * std::sin(9 * 2 * std::numbers::pi * turns[row]) -
+                           0.1 * std::cos(2 * std::numbers::pi * turns[row]),
+                       2);
+    rows += 1;
+  }
+  EXPECT_LT(std::sqrt(energy / rows), 0.03) << "bar, of a ripple of 0.36 rms";
 }
 
 TEST(ShaftRows, KeepsInputsThatMoveEvenly) {
