@@ -51,7 +51,7 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
                   ErrorText(e.base, e.base.noise_floor))};
   if (!x.final.added.empty())
     out.push_back(fmt::format("With {} it errs by {}.", fmt::join(x.final.added, " and "),
-                              ErrorText(e.base, ShownLeftOut(e, x.final.held_out))));
+                              ErrorText(e.final, e.final.rms_holdout)));
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       if (const std::string plain = PlainWords(e.log.machine, effects, id); !plain.empty())
@@ -71,10 +71,8 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
   return out;
 }
 
-/// What bars of ShownLeftOut are: of several outputs each counts by the noise that the model as it is leaves in it.
 std::string LeftOutLabel(const StatesExplained& e) {
-  return fmt::format("error on pieces left out, rms ({}{})", ErrorWordsOf(e.base).unit,
-                     e.base.of_variation ? ", weighted by their noise" : "");
+  return fmt::format("error on pieces left out, rms ({})", ErrorWordsOf(e.base).unit);
 }
 
 std::string Staircase(const StatesExplained& e) {
@@ -85,13 +83,12 @@ std::string Staircase(const StatesExplained& e) {
   plot.title = "error on pieces left out, step by step";
   plot.x_label = LeftOutLabel(e);
   plot.bars = true;
-  for (const auto& [added, relative] : x.steps) {
-    const double rms =
-        words.factor * e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300);
+  for (const auto& [added, error] : x.steps) {
+    const double rms = words.factor * e.base.unit.factor * error;
     plot.rows.push_back({added.empty() ? "model as it is" : "+ " + added, rms, rms, rms, FormatShort(rms),
                          added.empty() ? Ink::kBlue : Ink::kGreen, added.empty()});
   }
-  plot.level = words.factor * ShownLeftOut(e, x.final.held_out) * e.final.noise_floor / e.final.rms_holdout;
+  plot.level = words.factor * e.final.noise_floor;
   plot.level_label = NoiseWords(!x.final_left.structured && !x.astray);
   plot.note_width = 90;
   return "<h2>The error falls</h2>\n" +
@@ -226,7 +223,7 @@ std::string Ranking(const StatesExplained& e) {
   for (const StateCandidate& candidate : x.ranking) {
     const std::string& id = candidate.added.front();
     if (x.not_seen.contains(id)) continue;
-    const double rms = words.factor * ShownLeftOut(e, candidate.held_out);
+    const double rms = words.factor * ShownLeftOut(e, candidate);
     const bool chosen = std::find(x.set.begin(), x.set.end(), id) != x.set.end();
     plot.rows.push_back({id, rms, rms, rms,
                          FormatShort(rms) + (candidate.fitted() ? "" : " (by linearisation)"),

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <random>
 
+#include "diagnosis/states/held_out_run.h"
 #include "studies/parallel.h"
 
 namespace hydroscope {
@@ -117,8 +118,12 @@ b = { start = 2, min = 0.5, max = 50 }
 
 constexpr std::array<const char*, 3> kKindNames = {"oscillator", "tanks", "actuator"};
 
-/// Error of the machine's next log, free run with its initial states estimated, over its noise.
-double NextLogError(const StateMachineCase& one, const Machine& machine, const StateFit& fit) {
+/// Errors of the machine's next log, initial states estimated, over its noise: of the free run, and of short ones where that is more
+/// than noise.
+struct NextLog {
+  double error = 0, short_error = 0;
+};
+NextLog NextLogOf(const StateMachineCase& one, const Machine& machine, const StateFit& fit) {
   // The same machine: parameters are drawn first, so a longer log of the same seed goes on where this one ends.
   SimulatedStates longer = one.simulated;
   longer.rows *= 2;
@@ -127,12 +132,14 @@ double NextLogError(const StateMachineCase& one, const Machine& machine, const S
   const auto rows = static_cast<Eigen::Index>(one.simulated.rows);
   const Episode next{0, rows, {whole.time.begin() + rows, whole.time.end()}, whole.signal.bottomRows(rows)};
   const StateFit followed = FollowStates(fit.model, std::span(&next, 1), fit.parameters, fit.noise);
-  if (!followed.solved()) return INFINITY;
+  if (!followed.solved()) return {INFINITY, 0};
   const Eigen::VectorXd rms = RmsOf(followed.residuals, followed.model->output.rows);
-  double worst = 0;
+  NextLog out;
   for (Eigen::Index j = 0; j < rms.size(); ++j)
-    worst = std::max(worst, rms[j] / log.noise[static_cast<std::size_t>(j)]);
-  return worst;
+    out.error = std::max(out.error, rms[j] / log.noise[static_cast<std::size_t>(j)]);
+  const Episode recorded{0, 0, {whole.time.begin(), whole.time.begin() + rows}, whole.signal.topRows(rows)};
+  out.short_error = LookAtHeldOut(fit, std::span(&recorded, 1), followed, std::span(&next, 1)).short_error;
+  return out;
 }
 
 }  // namespace
@@ -208,26 +215,28 @@ StateMachineOutcome RunCase(int number, const StateMachinesOptions& options) {
   score.cases = 1;
   const bool in_set = std::find(x.set.begin(), x.set.end(), hidden) != x.set.end();
   score.wrong = !x.set.empty() && !in_set;
-  double ratio = 0;
+  NextLog next;
   if (hidden.empty()) {
     score.healthy = 1;
     score.adequate = x.verdict == Verdict::kAdequate;
   } else if (one.known) {
     score.hidden = 1;
     score.first = !x.set.empty() && x.set.front() == hidden;
-    if (score.first > 0) ratio = NextLogError(one, machine, x.final.fit);
-    score.worst_ratio = ratio;
+    if (score.first > 0) next = NextLogOf(one, machine, x.final.fit);
+    score.worst_ratio = next.error;
   } else {
     score.unknown_law = 1;
     score.unknown = x.verdict == Verdict::kUnknown;
   }
+  const std::string in_short_runs =
+      next.short_error > 0 ? fmt::format(" ({:.2f} x in short runs)", next.short_error) : "";
   out.line = fmt::format(
       "{:>4} {:<10} {:<8} {:>5} rows, hidden {:<10}{:<9} {:<9} [{}]{} left {:.3f} -> {:.3f} ({:.2g}){}, {:.1f} s{}\n",
       number, kKindNames[static_cast<std::size_t>(one.simulated.kind)], out.measured ? "measured" : "ideal",
       one.simulated.rows, hidden.empty() ? "-" : hidden, one.known ? "" : " (absent)", VerdictName(x.verdict),
       fmt::join(x.set, ", "), x.nearest.empty() ? "" : fmt::format(" part {}", fmt::join(x.nearest, ", ")),
       x.base_left.share, x.final_left.share, x.unexplained,
-      ratio > 0 ? fmt::format(", next log {:.2f} x noise", ratio) : "", seconds,
+      next.error == 0 ? "" : fmt::format(", next log {:.2f} x noise{}", next.error, in_short_runs), seconds,
       score.wrong > 0 ? " WRONG" : "");
   return out;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "diagnosis/states/held_out_run.h"
+
 namespace hydroscope {
 namespace {
 
@@ -37,6 +39,54 @@ TEST(StateMachines, ATankThatOverflowsUnseenIsNamedAndAHealthyOneAdequate) {
   EXPECT_EQ(x.verdict, Verdict::kNamed);
   EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
   EXPECT_EQ(ExplainOf(StateMachineKind::kTanks, "").verdict, Verdict::kAdequate);
+}
+
+TEST(StateMachines, TheStaircaseIsInTheMeasureOfTheFitsWhereOutputsAreSeveral) {
+  const StatesExplanation x = ExplainOf(StateMachineKind::kActuator, "root_flow");
+  ASSERT_EQ(x.set, std::vector<std::string>{"root_flow"});
+  const auto share = [](const StateFit& fit) {
+    return std::sqrt(fit.noise.cwiseQuotient(fit.scale).squaredNorm() / 2);
+  };
+  EXPECT_NEAR(x.steps.front().second, share(x.base.fit), 0.05 * share(x.base.fit));
+  EXPECT_NEAR(x.steps.back().second, share(x.final.fit), 0.05 * share(x.final.fit));
+}
+
+/// A hardening oscillator whose next log no free run follows to the end, and one whose next log it does.
+TEST(StateMachines, ANextLogInWhichTheRunLosesItsWayIsToldFromOneThatRefutesTheModel) {
+  StateMachinesOptions options;
+  options.seed = 60613;
+  for (const int number : {192, 0}) {
+    const StateMachineCase one = CaseNumber(number, options);
+    ASSERT_EQ(one.simulated.kind, StateMachineKind::kOscillator);
+    const Machine machine = StatesMachine(one.simulated.kind, "");
+    SimulatedStates longer = one.simulated;
+    longer.rows *= 2;
+    const Episode whole = EpisodeOf(SimulateStates(longer), machine);
+    const int rows = one.simulated.rows;
+    const Episode fitted{0, 0, {whole.time.begin(), whole.time.begin() + rows}, whole.signal.topRows(rows)},
+        next{0, rows, {whole.time.begin() + rows, whole.time.end()}, whole.signal.bottomRows(rows)};
+    const auto model = BuildStateModel(machine, {one.simulated.hidden});
+    ASSERT_TRUE(model) << model.error().text;
+    const StateFit fit = FitStates(*model, std::span(&fitted, 1));
+    ASSERT_TRUE(fit.solved()) << fit.failed.english;
+    const StateFit followed = FollowStates(*model, std::span(&next, 1), fit.parameters, fit.noise);
+    ASSERT_TRUE(followed.solved()) << followed.failed.english;
+    const HeldOutRun run = LookAtHeldOut(fit, std::span(&fitted, 1), followed, std::span(&next, 1));
+    if (number == 0) {
+      EXPECT_LT(run.error, 1.5);
+      EXPECT_FALSE(run.loses_its_way);
+      EXPECT_TRUE(run.beyond.empty());
+      continue;
+    }
+    EXPECT_GT(run.error, 1.5);
+    EXPECT_LT(run.short_error, 1.1);
+    EXPECT_TRUE(run.loses_its_way);
+    EXPECT_FALSE(HeldOutTexts(run, **model, "next.csv").empty());
+    StateFit wrong = fit;  // a model that is wrong errs over short runs too
+    wrong.parameters[2] *= 1.02;
+    const StateFit astray = FollowStates(*model, std::span(&next, 1), wrong.parameters, fit.noise);
+    EXPECT_FALSE(LookAtHeldOut(wrong, std::span(&fitted, 1), astray, std::span(&next, 1)).loses_its_way);
+  }
 }
 
 TEST(StateMachines, AMeasuredLogNamesWhatIsHiddenAndItsSensorsEndIsLeftOut) {

@@ -102,6 +102,9 @@ TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
   EXPECT_THAT(Run({"compare", "--db", File("tank.db")}).out, Not(HasSubstr("down to the sensor noise")));
   const auto explained = Run({"explain", "--db", File("tank.db"), "--whole", "--json", "-"}).Json();
   EXPECT_EQ(explained.at("verdict"), "unknown");
+  const std::string told = Words(Run({"explain", "--db", File("tank.db"), "--whole"}).out);
+  EXPECT_THAT(told, HasSubstr("hydroscope explain LOG... --machine FILE"));
+  EXPECT_THAT(told, Not(HasSubstr("check the signals")));
   const std::string page = Words(ReadText(File("tank.html")));
   EXPECT_THAT(page, Not(HasSubstr("about down to what sensor noise")));
   EXPECT_THAT(page, HasSubstr("or the model misses something"));

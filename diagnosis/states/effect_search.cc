@@ -443,7 +443,7 @@ class EffectSearch {
 
   void TakeSteps() {
     const auto take = [this](const std::string& added, const StateCandidate& set) {
-      out_.steps.emplace_back(added, std::sqrt(set.held_out / std::max(1, set.fit.readings())));
+      out_.steps.emplace_back(added, ErrorLeftOut(set.fit));
     };
     take("", out_.base);
     for (std::size_t k = 1; k < levels_.size(); ++k)

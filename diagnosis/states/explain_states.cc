@@ -15,7 +15,7 @@ namespace {
 /// The model as it is, that with the set found and its rivals, fitted on from `out` to all episodes.
 void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& options,
               StatesExplanation& out) {
-  const double before = out.base.held_out;
+  const double before = out.base.held_out, error_before = ErrorLeftOut(out.base.fit);
   const Eigen::VectorXd noise = out.base.fit.noise;
   const auto fit = [&](StateCandidate& candidate, StateRemainder& left) {
     const StateStart start{candidate.fit.parameters, {}};
@@ -40,13 +40,10 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
     candidate.held_out = candidate.added == out.final.added ? out.final.held_out
                                                             : candidate.held_out * out.base.held_out / before;
   // What lies between the model as it is and the set found is known on some of the episodes alone.
-  const auto rms = [](const StateCandidate& c) {
-    return std::sqrt(c.held_out / std::max(1, c.fit.readings()));
-  };
+  out.scale_of_tried = ErrorLeftOut(out.base.fit) / std::max(error_before, 1e-300);
   if (out.steps.empty()) return;
-  const double scale = rms(out.base) / out.steps.front().second;
-  for (auto& [added, error] : out.steps) error *= scale;
-  out.steps.back().second = rms(out.final);
+  for (auto& [added, error] : out.steps) error *= out.scale_of_tried;
+  out.steps.back().second = ErrorLeftOut(out.final.fit);
 }
 
 /// On so many of the runs, spread over the log; figures are those of all. `of_what`: readings of a run.

@@ -82,10 +82,12 @@ struct StatesExplanation {
   std::vector<Episode>
       runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
   StateRemainder base_left, final_left;
-  std::vector<StateCandidate> ranking;         ///< single effects, best first; some as foreseen
-  std::map<std::string, EffectSeen> not_seen;  ///< effects that these episodes cannot show, and why
-  std::vector<std::pair<std::string, double>>
-      steps;  ///< effect added ("" = none), rms left out over the noise of `base`
+  std::vector<StateCandidate> ranking;                ///< single effects, best first; some as foreseen
+  std::map<std::string, EffectSeen> not_seen;         ///< effects that these episodes cannot show, and why
+  std::vector<std::pair<std::string, double>> steps;  ///< effect added ("" = none), ErrorLeftOut
+
+  /// ErrorLeftOut of `base` over what it is on the episodes that `ranking` was fitted on.
+  double scale_of_tried = 1;
 
   /// Its effects stand beside the one of the set that it does without, which makes the verdict ambiguous.
   void AddRival(StateCandidate rival);

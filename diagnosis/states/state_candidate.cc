@@ -31,6 +31,15 @@ double CorrelatedReadings(const StateFit& fit) {
 
 }  // namespace
 
+double ErrorLeftOut(const StateFit& fit) {
+  const double rms = fit.noise.size() == 1 ? fit.noise[0]
+                                           : std::sqrt(fit.noise.cwiseQuotient(fit.scale).squaredNorm() /
+                                                       static_cast<double>(fit.noise.size()));
+  double energy = 0;
+  for (const StatePiece& piece : fit.pieces) energy += piece.energy;
+  return rms * std::sqrt(fit.HeldOutEnergy() / std::max(energy, 1e-300 * std::max(1, fit.readings())));
+}
+
 std::pair<double, double> PairedGain(const std::vector<double>& before, const std::vector<double>& after) {
   const auto n = static_cast<double>(before.size());
   double sum = 0, squares = 0;

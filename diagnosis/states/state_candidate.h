@@ -20,6 +20,10 @@ struct StateCandidate {
   bool fitted() const { return fit.model != nullptr && fit.solved(); }
 };
 
+/// What a fit leaves of pieces left out, rms: of one output SI, of several as a share of each output's variation (root of the mean
+/// of squares), whatever they were weighed by.
+double ErrorLeftOut(const StateFit& fit);
+
 /// How much lower the second energies are: sum, and its t over the pieces.
 std::pair<double, double> PairedGain(const std::vector<double>& before, const std::vector<double>& after);
 

@@ -15,6 +15,7 @@
 #include "core/relative_change.h"
 #include "core/units.h"
 #include "models/counted_words.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "workbench/explain/drift_text.h"
@@ -334,6 +335,10 @@ std::string NextText(const ExplainResult& result) {
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
   if (x.verdict == Verdict::kAdequate && !experiment)
     text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
+  if (x.verdict == Verdict::kUnknown && KindOf(result.log.machine).has_states)
+    return text +
+           "  Which effect it is: hydroscope explain LOG... --machine FILE, with the logs of these episodes and the "
+           "machine file; effects of a machine with states are tried on logs.\n";
   if (x.verdict == Verdict::kUnknown)
     text +=
         "  Look at where the error lies with 'hydroscope compare', and check the signals with 'hydroscope check'.\n";

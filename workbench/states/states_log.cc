@@ -9,6 +9,7 @@
 
 #include "core/cannot_write.h"
 #include "core/told_error.h"
+#include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/initial_values.h"
 #include "estimation/decompositions.h"
 #include "models/machine_kind.h"
@@ -61,8 +62,8 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   std::vector<double> registers = model.initial.values.Registers();
   std::vector<int> outside(static_cast<std::size_t>(model.states()), 0);
   for (const Episode& episode : episodes) {
-    const Eigen::Index signals = episode.signal.cols();
-    for (Eigen::Index s = 0; s < signals; ++s)
+    const auto signals = static_cast<Eigen::Index>(model.machine.signals.size());
+    for (Eigen::Index s = 0; s < std::min(signals, episode.signal.cols()); ++s)
       registers[static_cast<std::size_t>(s)] = episode.Reading(0, static_cast<int>(s));
     std::copy(fit.parameters.begin(), fit.parameters.end(), registers.begin() + signals);
     model.initial.values.RunFixed(registers.data());
@@ -126,10 +127,7 @@ StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
   out.unit = OutputUnit(fit.model->machine);
   out.of_variation = fit.noise.size() > 1;
   out.rms = Overall(fit, fit.noise) * out.unit.factor;
-  const double readings = std::max(1, fit.readings());
-  double energy = 0;
-  for (const StatePiece& piece : fit.pieces) energy += piece.energy;
-  out.rms_holdout = out.rms * std::sqrt(fit.HeldOutEnergy() / std::max(energy, 1e-300 * readings));
+  out.rms_holdout = ErrorLeftOut(fit) * out.unit.factor;
   out.noise_floor = out.rms * (left.structured ? std::sqrt(left.energy) : 1.0);
   Eigen::VectorXd steps(fit.noise.size());
   for (int j = 0; j < steps.size(); ++j) steps[j] = OneStepError(fit, j);
@@ -183,6 +181,9 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   if (!followed.solved()) return BadInput(Tell("{}: {}", "{}: {}", chosen->held_out, followed.failed));
   out->held_out =
       Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;
+  const HeldOutRun run = LookAtHeldOut(out->fit, out->log.episodes, followed, other->episodes);
+  for (Told& text : HeldOutTexts(run, *fitted.model, chosen->held_out))
+    out->log.warnings.push_back(std::move(text));
   if (const auto begins = FindOtherBeginningHeldOut(fitted, other->episodes))
     out->log.warnings.push_back(OtherBeginningText(*begins, Told(chosen->held_out)));
   out->held_out_log = chosen->held_out;

@@ -362,17 +362,16 @@ std::string ExplainText(const StatesExplained& e) {
   const std::vector<Told> warnings = ExplainWarnings(e);
   const ErrorWords words = ErrorWordsOf(e.base);
   text += WarningLines(warnings) + fmt::format("\nHow the error falls ({})\n", words.unit);
-  for (const auto& [added, relative] : x.steps)
-    text +=
-        fmt::format("  {:<28} {:>9.3g}\n", added.empty() ? "as it is" : "+ " + added,
-                    words.factor * e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300));
+  for (const auto& [added, error] : x.steps)
+    text += fmt::format("  {:<28} {:>9.3g}\n", added.empty() ? "as it is" : "+ " + added,
+                        words.factor * e.base.unit.factor * error);
   text += "\nParameters (± 95 %)\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty())
     text += fmt::format("\nSingle effects, best first ({}; ~ by linearisation)\n", words.unit);
   for (const StateCandidate& candidate : x.ranking)
     if (!x.not_seen.contains(candidate.added.front()))
       text += fmt::format("  {:<28} {:>9.3g}{}\n", candidate.added.front(),
-                          words.factor * ShownLeftOut(e, candidate.held_out), candidate.fitted() ? "" : " ~");
+                          words.factor * ShownLeftOut(e, candidate), candidate.fitted() ? "" : " ~");
   text += NotSeenText(x) + LocatedText(e.located);
   if (e.missing)
     text +=
@@ -396,7 +395,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
     const bool seen = !x.not_seen.contains(c.added.front());
     ranking.push_back(
         {{"effect", c.added.front()},
-         {"rms_holdout", ShownLeftOut(e, c.held_out)},
+         {"rms_holdout", ShownLeftOut(e, c)},
          {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
          {"testable", seen},
          {"why_not", seen ? nlohmann::json() : nlohmann::json(WhyNotSeen(x, c.added.front()).english)},
@@ -406,10 +405,9 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
           c.fitted() ? EffectParametersJson(EstimatesOf(c.fit), c.added.front()) : nlohmann::json::object()},
          {"gain", c.gain}});
   }
-  for (const auto& [added, relative] : x.steps)
-    steps.push_back(
-        {{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
-         {"rms_holdout", e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)}});
+  for (const auto& [added, error] : x.steps)
+    steps.push_back({{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
+                     {"rms_holdout", e.base.unit.factor * error}});
   const std::optional<Told> record = StatesToRecord(e);
   for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
   const std::vector<Told> warnings = ExplainWarnings(e);

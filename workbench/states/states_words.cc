@@ -20,8 +20,11 @@ std::string ErrorText(const StatesError& error, double value) {
   return fmt::format("{:.3g} {}", value * words.factor, words.unit);
 }
 
-double ShownLeftOut(const StatesExplained& e, double held_out) {
-  return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
+double ShownLeftOut(const StatesExplained& e, const StateCandidate& candidate) {
+  const StatesExplanation& x = e.explanation;
+  if (candidate.added == x.final.added) return e.final.rms_holdout;
+  if (candidate.fitted()) return e.base.unit.factor * x.scale_of_tried * ErrorLeftOut(candidate.fit);
+  return e.base.rms_holdout * std::sqrt(candidate.held_out / std::max(x.base.held_out, 1e-300));
 }
 
 const char* NoiseWords(bool alone) { return alone ? "noise alone" : "noise at most"; }

@@ -26,8 +26,8 @@ const char* NoiseWords(bool alone);
 /// "Air in the oil (air)"; effects of users' own are called by what their file calls them.
 std::string NamedEffect(const std::vector<Effect>& effects, const std::string& id);
 
-/// Error left out as shown, of a candidate on the base's scale.
-double ShownLeftOut(const StatesExplained& e, double held_out);
+/// StatesError::rms_holdout of a set of effects; of one that was not fitted as linearisation foresees it.
+double ShownLeftOut(const StatesExplained& e, const StateCandidate& candidate);
 
 /// Why these episodes cannot show an effect; empty: they can.
 Told WhyNotSeen(const StatesExplanation& x, const std::string& id);

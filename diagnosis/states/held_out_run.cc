@@ -1,0 +1,91 @@
+#include "diagnosis/states/held_out_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/told_error.h"
+#include "diagnosis/states/spread_pieces.h"
+#include "models/output_unit.h"
+#include "models/ripple_signals.h"
+
+namespace hydroscope {
+namespace {
+
+/// Of the worst output, over the noise of the fit.
+double ErrorOver(const StateFit& fit, const StateFit& followed) {
+  return RmsOf(followed.residuals, followed.model->output.rows).cwiseQuotient(fit.noise).maxCoeff();
+}
+
+std::pair<double, double> RangeOf(std::span<const Episode> episodes, int signal) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Episode& e : episodes)
+    for (int row = 0; row < e.rows(); ++row)
+      if (const double y = e.signal(row, signal); std::isfinite(y)) {
+        low = std::min(low, y);
+        high = std::max(high, y);
+      }
+  return {low, high};
+}
+
+std::vector<HeldOutRun::Beyond> BeyondFitted(const StateModel& model, std::span<const Episode> fitted,
+                                             std::span<const Episode> held_out, double share) {
+  std::vector<int> signals = LoggedInputs(model);
+  signals.insert(signals.end(), model.outputs.begin(), model.outputs.end());
+  std::vector<HeldOutRun::Beyond> out;
+  for (const int s : signals) {
+    const auto [low, high] = RangeOf(fitted, s);
+    const auto [new_low, new_high] = RangeOf(held_out, s);
+    const double margin = share * (high - low);
+    if (new_low < low - margin || new_high > high + margin)
+      out.push_back({model.machine.signals[static_cast<std::size_t>(s)].name, low, high, new_low, new_high});
+  }
+  return out;
+}
+
+}  // namespace
+
+HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, const StateFit& followed,
+                         std::span<const Episode> held_out, const HeldOutRunOptions& options) {
+  HeldOutRun out;
+  out.error = ErrorOver(fit, followed);
+  if (out.error < options.more) return out;
+  out.beyond = BeyondFitted(*fit.model, fitted, held_out, options.beyond);
+  if (!BeginsAnywhere(fit.model->machine)) return out;
+  const std::vector<Episode> runs = ShortRuns(held_out, options.rows);
+  if (runs.empty()) return out;
+  const StateFit in_short_runs = FollowStates(fit.model, runs, fit.parameters, fit.noise);
+  if (!in_short_runs.solved()) return out;
+  out.short_error = ErrorOver(fit, in_short_runs);
+  out.loses_its_way = out.short_error < options.as_fitted;
+  return out;
+}
+
+std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, const std::string& log,
+                               const HeldOutRunOptions& options) {
+  std::vector<Told> texts;
+  if (run.loses_its_way)
+    texts.push_back(Tell(
+        "the free run over {} errs by {:.3g} times what it does on the log fitted, runs of {} rows with initial states of "
+        "their own by {:.2g} times: law and parameters hold there too, but the machine magnifies small differences of "
+        "both until so long a run loses its way. Judge by shorter episodes ([episodes] seconds), or fit more logs together",
+        "der freie Lauf über {} weicht {:.3g}-mal so viel ab wie auf der angepassten Aufzeichnung, Stücke von {} Zeilen mit "
+        "eigenen Anfangszuständen {:.2g}-mal so viel: Gesetz und Parameter gelten auch dort, doch die Maschine vergrößert "
+        "kleine Unterschiede, bis ein so langer Lauf sich verliert. Nach kürzeren Episoden urteilen ([episodes] seconds) oder "
+        "mehr Aufzeichnungen zusammen anpassen",
+        log, run.error, options.rows, run.short_error));
+  for (const HeldOutRun::Beyond& b : run.beyond) {
+    const DisplayUnit unit = ShownUnit(model.machine, b.signal);
+    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    texts.push_back(Tell(
+        "{} goes from {:.4g} to {:.4g} {} in {}, beyond {:.4g} to {:.4g} {} of what was fitted: what the model says there "
+        "was not seen",
+        "{0} geht in {4} von {1:.4g} bis {2:.4g} {3}, über {5:.4g} bis {6:.4g} {7} der Anpassung hinaus: was das Modell "
+        "dort sagt, wurde nicht gesehen",
+        b.signal, shown(b.low), shown(b.high), std::string(unit.name), log, shown(b.fitted_low), shown(b.fitted_high),
+        std::string(unit.name)));
+  }
+  return texts;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+
+struct HeldOutRunOptions {
+  int rows = 50;         ///< of a short run
+  double more = 1.5;     ///< error over the fit's from which on a cause is looked for
+  double as_fitted = 1.2;  ///< ... below which a run errs as it does on the log fitted
+  double beyond = 0.05;  ///< of the fitted range of a signal: less beyond it counts as within
+};
+
+/// What a free run over a log held out says of a model, beyond how much it errs.
+struct HeldOutRun {
+  /// A signal that leaves the range it had in the log fitted, SI.
+  struct Beyond {
+    std::string signal;
+    double fitted_low = 0, fitted_high = 0, low = 0, high = 0;
+  };
+  double error = 0;        ///< rms over that of the log fitted, of the worst output
+  double short_error = 0;  ///< the same of short runs with initial states of their own; 0: none were needed or possible
+  /// Law and parameters hold over short runs, the long one loses its way: small differences of where it begins and of the
+  /// parameters grow in it.
+  bool loses_its_way = false;
+  std::vector<Beyond> beyond;  ///< where the run errs by more than on the log fitted
+};
+
+/// `followed`: FollowStates of `fit` on the episodes held out.
+HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, const StateFit& followed,
+                         std::span<const Episode> held_out, const HeldOutRunOptions& options = {});
+
+/// A sentence for each thing that it says; `log`: what was held out.
+std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, const std::string& log,
+                               const HeldOutRunOptions& options = {});
+
+}  // namespace hydroscope
