@@ -82,8 +82,8 @@ std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, c
         "was not seen",
         "{0} geht in {4} von {1:.4g} bis {2:.4g} {3}, über {5:.4g} bis {6:.4g} {7} der Anpassung hinaus: was das Modell "
         "dort sagt, wurde nicht gesehen",
-        b.signal, shown(b.low), shown(b.high), std::string(unit.name), log, shown(b.fitted_low), shown(b.fitted_high),
-        std::string(unit.name)));
+        b.signal, shown(b.low), shown(b.high), std::string(unit.name), log, shown(b.fitted_low),
+        shown(b.fitted_high), std::string(unit.name)));
   }
   return texts;
 }

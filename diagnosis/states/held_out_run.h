@@ -9,10 +9,10 @@
 namespace hydroscope {
 
 struct HeldOutRunOptions {
-  int rows = 50;         ///< of a short run
-  double more = 1.5;     ///< error over the fit's from which on a cause is looked for
+  int rows = 50;           ///< of a short run
+  double more = 1.5;       ///< error over the fit's from which on a cause is looked for
   double as_fitted = 1.2;  ///< ... below which a run errs as it does on the log fitted
-  double beyond = 0.05;  ///< of the fitted range of a signal: less beyond it counts as within
+  double beyond = 0.05;    ///< of the fitted range of a signal: less beyond it counts as within
 };
 
 /// What a free run over a log held out says of a model, beyond how much it errs.
@@ -22,8 +22,9 @@ struct HeldOutRun {
     std::string signal;
     double fitted_low = 0, fitted_high = 0, low = 0, high = 0;
   };
-  double error = 0;        ///< rms over that of the log fitted, of the worst output
-  double short_error = 0;  ///< the same of short runs with initial states of their own; 0: none were needed or possible
+  double error = 0;  ///< rms over that of the log fitted, of the worst output
+  double short_error =
+      0;  ///< the same of short runs with initial states of their own; 0: none were needed or possible
   /// Law and parameters hold over short runs, the long one loses its way: small differences of where it begins and of the
   /// parameters grow in it.
   bool loses_its_way = false;
