@@ -7,7 +7,6 @@
 #include "core/told_error.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "models/output_unit.h"
-#include "models/ripple_signals.h"
 
 namespace hydroscope {
 namespace {
@@ -30,7 +29,7 @@ std::pair<double, double> RangeOf(std::span<const Episode> episodes, int signal)
 
 std::vector<HeldOutRun::Beyond> BeyondFitted(const StateModel& model, std::span<const Episode> fitted,
                                              std::span<const Episode> held_out, double share) {
-  std::vector<int> signals = LoggedInputs(model);
+  std::vector<int> signals = model.inputs;
   signals.insert(signals.end(), model.outputs.begin(), model.outputs.end());
   std::vector<HeldOutRun::Beyond> out;
   for (const int s : signals) {
