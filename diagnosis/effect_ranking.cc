@@ -301,17 +301,18 @@ bool EffectRanking::StaysBeside(const Contender& candidate, const Contender& bes
   const auto& effects = strokes_.model().effects;
   // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
   const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
-                       best.gain - candidate.gain < options_.MayRemain(gain);
+                       best.gain - candidate.gain < options_.MayRemain(candidate.gain);
   return simpler || IsTwin(candidate, best) || IsRival(*candidate.fit, *best.fit, gain);
 }
 
-std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
+std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking,
+                                               bool complete) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
   for (const RankedEffect& candidate : ranking)
     if (candidate.stands_out && StaysBeside({candidate.effect, &candidate.fit, candidate.gain},
-                                            {best.effect, &best.fit, best.gain}, best.gain))
+                                            {best.effect, &best.fit, best.gain}, complete ? 0 : best.gain))
       set.push_back(candidate.id);
   return set;
 }

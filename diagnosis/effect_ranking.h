@@ -62,11 +62,12 @@ class EffectRanking {
     const ExtendedFit* fit = nullptr;
     double gain = 0;
   };
-  /// Whether an effect stays in the set beside the best one: as good a rival where all of the model found gained `gain`, its twin,
-  /// or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
+  /// Whether an effect stays in the set beside the best one: as good a rival where what a further law might still put right has
+  /// gained `gain`, its twin, or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
   bool StaysBeside(const Contender& candidate, const Contender& best, double gain) const;
-  /// Effects of the ranking that stand out and stay beside the first one, the first one included.
-  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
+  /// Effects of the ranking that stand out and stay beside the first one, the first one included. `complete`: the first
+  /// leaves nothing to a further law, which would tell that its own is not quite right.
+  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking, bool complete) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
   bool IsConfirmed(int effect) const;
   bool IsRefuted(const EffectEstimate& estimate) const;

@@ -179,7 +179,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     }
   }
   if (!first.significant) return std::nullopt;
-  out.groups = {ranking_.Rivals(out.ranking)};
+  out.groups = {ranking_.Rivals(out.ranking, true)};
   if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
@@ -187,7 +187,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
-  out.groups = {ranking_.Rivals(out.ranking), ranking_.Rivals(out.second)};
+  out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
   return WithSecond(model, second);
 }
 
@@ -200,8 +200,8 @@ void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {
   }
 }
 
-/// An effect easily taken for one that was found may have a part in it: where the strokes let the two share what was found, and
-/// a third of it may be the other, both stay.
+/// An effect easily taken for one that was found may have a part in it: where the strokes let the two share what was found, a
+/// third of it may be the other, and together they give the other more than its standard deviation, both stay.
 void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const {
   const auto& effects = strokes_.model().effects;
   for (std::size_t k = 0; k < out.groups.size(); ++k) {
@@ -215,10 +215,11 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
           FreeNumbers(*effects[other.effect]) > FreeNumbers(own))
         continue;
       const CandidateModel both = ranking_.With(model, other.fit.effects.back().choice);
+      if (!both.fit.solved) continue;
+      const EffectEstimate &mine = both.fit.effects[at], &theirs = both.fit.effects.back();
       const bool apart =
-          both.fit.solved && std::abs(both.fit.effects[at].size) - kNormal95 * both.fit.effects[at].std >
-                                 options_.sure_share * std::abs(model.fit.effects[at].size);
-      if (!apart) out.groups[k].push_back(other.id);
+          std::abs(mine.size) - kNormal95 * mine.std > options_.sure_share * std::abs(model.fit.effects[at].size);
+      if (!apart && std::abs(theirs.size) > theirs.std) out.groups[k].push_back(other.id);
     }
   }
 }

@@ -62,7 +62,7 @@ std::vector<std::string> BesideTheFreerLeak(double more) {
   const std::vector<RankedEffect> ranking = {Explaining(*model, "leakage_temperature", 10000, 0),
                                              Explaining(*model, "internal_leakage", 10000 - more, more / 10),
                                              Explaining(*model, "orifice_leakage", 10000 - more, more / 10)};
-  return EffectRanking(strokes, options, 1.0).Rivals(ranking);
+  return EffectRanking(strokes, options, 1.0).Rivals(ranking, true);
 }
 
 TEST(EffectRanking, ASimplerLawStaysBesideAFreerOneThatHardlyGains) {

@@ -72,7 +72,7 @@ cat > alarms/feeds/opcua/opcua_feed.cc <<'FEED'
 namespace hydroscope {
 std::unique_ptr<Feed> MakeOpcuaFeed(const FeedContext& context) {
   class OpcuaFeed : public Feed {
-    FeedStatus status() const override { return {.name = "opcua", .state = "not yet written"}; }
+    FeedStatus status() const override { return {.name = "opcua", .state = {"not yet written"}}; }
   };
   if (context.machine.feeds->Of<OpcuaFeedSpec>() == nullptr) return nullptr;
   return std::make_unique<OpcuaFeed>();
@@ -93,7 +93,7 @@ namespace hydroscope {
 std::vector<std::unique_ptr<Source>> MakeOpcuaSources(const Machine& machine, const Clock&, std::uint64_t) {
   class OpcuaSource : public Source {
     Status Start(Sink) override { return {}; }
-    SourceStatus status() const override { return {.name = "opcua", .state = "not yet written"}; }
+    SourceStatus status() const override { return {.name = "opcua", .state = {"not yet written"}}; }
     void Stop() override {}
   };
   std::vector<std::unique_ptr<Source>> sources;
