@@ -217,8 +217,8 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
       const CandidateModel both = ranking_.With(model, other.fit.effects.back().choice);
       if (!both.fit.solved) continue;
       const EffectEstimate &mine = both.fit.effects[at], &theirs = both.fit.effects.back();
-      const bool apart =
-          std::abs(mine.size) - kNormal95 * mine.std > options_.sure_share * std::abs(model.fit.effects[at].size);
+      const bool apart = std::abs(mine.size) - kNormal95 * mine.std >
+                         options_.sure_share * std::abs(model.fit.effects[at].size);
       if (!apart && std::abs(theirs.size) > theirs.std) out.groups[k].push_back(other.id);
     }
   }
