@@ -118,8 +118,8 @@ b = { start = 2, min = 0.5, max = 50 }
 
 constexpr std::array<const char*, 3> kKindNames = {"oscillator", "tanks", "actuator"};
 
-/// Errors of the machine's next log, initial states estimated, over its noise: of the free run, and of short ones where that is more
-/// than noise.
+/// Errors of the machine's next log, initial states estimated, over its noise: of the free run, and where
+/// that is more than noise of short ones.
 struct NextLog {
   double error = 0, short_error = 0;
 };

@@ -77,8 +77,8 @@ std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, c
     const DisplayUnit unit = ShownUnit(model.machine, b.signal);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     texts.push_back(Tell(
-        "{} goes from {:.4g} to {:.4g} {} in {}, beyond {:.4g} to {:.4g} {} of what was fitted: what the model says there "
-        "was not seen",
+        "{} goes from {:.4g} to {:.4g} {} in {}, beyond {:.4g} to {:.4g} {} of what was fitted: "
+        "what the model says there was not seen",
         "{0} geht in {4} von {1:.4g} bis {2:.4g} {3}, über {5:.4g} bis {6:.4g} {7} der Anpassung hinaus: was das Modell "
         "dort sagt, wurde nicht gesehen",
         b.signal, shown(b.low), shown(b.high), std::string(unit.name), log, shown(b.fitted_low),

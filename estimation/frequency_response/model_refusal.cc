@@ -12,8 +12,9 @@ namespace hydroscope {
 namespace {
 
 /// Distance of the points from the model, rms over rms of the gain, above which the model describes another thing. Second order
-/// is an approximation: that of the servo press (`hydroscope frf chirp_0A.txt --segment 4096`) is off by 1.5 %. With 5 % f0 is off
-/// by a quarter, whatever its interval says (a spool at its highest speed, a dead band, a valve that changed amid the sweep).
+/// is an approximation: that of the servo press (`hydroscope frf chirp_0A.txt --segment 4096`) is off by 1.5 %. Beyond
+/// the limit f0 is of no valve, whatever its interval says (a spool at its highest speed, a dead band, a valve that changed amid
+/// the sweep).
 constexpr double kFarOff = 0.05;
 /// Distance of the response from a mere gain and delay, relative, below which it has no dynamics.
 constexpr double kNoLag = 0.005, kFewestPoints = 3;
@@ -79,8 +80,8 @@ std::string WhyNoValve(const ValveModel& m) {
 
 std::string WhyNoModel(const FrequencyResponse& response, bool shares) {
   if (DistanceFromDelay(response.points) < kNoLag)
-    return "the response follows the command without any lag but a delay: it is the command once more, or a set point, not what "
-           "the valve did";
+    return "the response follows the command without any lag but a delay: it is the command once more, "
+           "or a set point, not what the valve did";
   if (!response.model) return response.model_reason;
   const ValveModel& m = *response.model;
   if (const double off = DistanceFromModel(response); m.inflation > 1 && off > kFarOff)

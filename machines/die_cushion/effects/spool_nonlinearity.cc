@@ -31,9 +31,9 @@ Effect SpoolNonlinearity(const CushionGeometry&) {
       "transducer or its amplifier set up wrongly, a transducer driven near the end of its range.";
   e.german = {
       "Nichtlinearer Schiebersensor",
-      "Die gemessene Schieberstellung wächst nicht im Verhältnis zur Öffnung; zu suchen: ein falsch "
-      "eingestellter Wegaufnehmer des Ventils oder dessen Verstärker, ein Aufnehmer nahe dem Ende seines "
-      "Bereichs.",
+      "Die gemessene Schieberstellung wächst nicht im Verhältnis zur Öffnung; zu suchen: "
+      "ein falsch eingestellter Wegaufnehmer des Ventils oder dessen Verstärker, ein Aufnehmer nahe dem Ende "
+      "seines Bereichs.",
       "ein Manometer gleich hinter dem Ventil bei einem schnellen Hub: bleibt es beim Tankdruck, so liegt es an "
       "Sensor oder Kante; diese trennt die Kennlinie des Ventils auf dem Prüfstand"};
   e.told_apart_by =
