@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/told_error.h"
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
