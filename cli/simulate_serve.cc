@@ -18,6 +18,10 @@
 namespace hydroscope {
 namespace {
 
+/// s, integration step of a served press: fourth order needs no finer one beside its noise, and what it takes of the
+/// processor is missing where service and press share a computer.
+constexpr double kServedStep = 100e-6;
+
 HostTime Now() {
   const auto ns = [](auto time) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
@@ -118,6 +122,7 @@ Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const Pr
   const LiveSpec& live = *machine.live;
   PressServer::Options options;
   options.press = {.press = press, .axes = arguments.axes, .work = arguments.work, .pause = arguments.pause};
+  options.press.press.max_step = kServedStep;
   if (arguments.axes == 0) options.press.axes = AxisCount(machine);
   if (arguments.axes != 0 || !live.axes.empty()) options.axes = AxisNames(machine, options.press.axes);
   options.speed = arguments.speed;

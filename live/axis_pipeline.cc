@@ -21,8 +21,9 @@ void Append(const SampleBlock& from, SampleBlock& to) {
 
 }  // namespace
 
-Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared_ptr<const LiveModel> model) {
-  std::unique_ptr<AxisPipeline> made(new AxisPipeline(axis, std::move(model)));
+Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared_ptr<const LiveModel> model,
+                                                            ColumnPacker& packer) {
+  std::unique_ptr<AxisPipeline> made(new AxisPipeline(axis, std::move(model), packer));
   if (const Status built = made->Build(); !built) return tl::unexpected(built.error());
   return made;
 }
@@ -67,7 +68,7 @@ WriteItem AxisPipeline::TakeStep(std::vector<std::uint8_t> sender_marks) {
   item.axis = axis_;
   step_.rows_taken = rows_taken_;
   step_.sender_marks = std::move(sender_marks);
-  item.step = Pack(std::exchange(step_, {}));
+  item.step = Pack(std::exchange(step_, {}), packer_);
   return item;
 }
 
@@ -89,7 +90,7 @@ std::vector<WriteItem> AxisPipeline::Finish(const std::vector<std::uint8_t>& sen
 
 Result<std::vector<WriteItem>> AxisPipeline::BeginNewRun(std::shared_ptr<const LiveModel> model,
                                                          const std::vector<std::uint8_t>& sender_marks) {
-  const auto next = Create(axis_, model);  // refuses before anything is ended
+  const auto next = Create(axis_, model, packer_);  // refuses before anything is ended
   if (!next) return tl::unexpected(next.error());
   std::vector<WriteItem> items = Finish(sender_marks);
   model_ = std::move(model);

@@ -36,7 +36,9 @@ struct WriteItem {
 /// stored state: monitor and pipeline start anew there, exactly as in a replay of the run's raw rows.
 class AxisPipeline {
  public:
-  static Result<std::unique_ptr<AxisPipeline>> Create(int axis, std::shared_ptr<const LiveModel> model);
+  /// `packer`: of all axes that one thread works on; must outlive this.
+  static Result<std::unique_ptr<AxisPipeline>> Create(int axis, std::shared_ptr<const LiveModel> model,
+                                                      ColumnPacker& packer);
 
   /// Error: the state belongs to another model.
   Status RestoreState(const std::vector<std::uint8_t>& state) { return pipeline_->RestoreState(state); }
@@ -64,12 +66,14 @@ class AxisPipeline {
   const Pipeline& pipeline() const { return *pipeline_; }
 
  private:
-  AxisPipeline(int axis, std::shared_ptr<const LiveModel> model) : axis_(axis), model_(std::move(model)) {}
+  AxisPipeline(int axis, std::shared_ptr<const LiveModel> model, ColumnPacker& packer)
+      : axis_(axis), model_(std::move(model)), packer_(packer) {}
   Status Build();
   std::string Summary() const;
 
   int axis_;
   std::shared_ptr<const LiveModel> model_;
+  ColumnPacker& packer_;
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<QualityMonitor> monitor_;
   SampleBlock judged_;

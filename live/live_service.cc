@@ -164,7 +164,7 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
   const auto promoted = WithPromoted(model_, database, options_.database, *machine);
   if (!promoted) LogError("promoted_model_not_used", {{"axis", opened.name}, {"why", promoted.error().text}});
   opened.model = promoted.value_or(model_);
-  auto pipeline = AxisPipeline::Create(axis, opened.model);
+  auto pipeline = AxisPipeline::Create(axis, opened.model, packer_);
   if (!pipeline) return tl::unexpected(pipeline.error());
   const auto newest = database.NewestRun(*machine);
   if (!newest) return tl::unexpected(newest.error());

@@ -89,6 +89,7 @@ class LiveService {
   Inbox inbox_;
   std::unique_ptr<Aligner> aligner_;
   struct AxisState;
+  ColumnPacker packer_;  // of all axes
   std::vector<std::unique_ptr<AxisState>> axes_;
   std::unique_ptr<LiveWriter> writer_;
   std::vector<std::unique_ptr<Source>> sources_;

@@ -14,10 +14,10 @@ PackedStroke Pack(const StrokeRecord& record) {
           {gram.integral.dimension(), gram.noise.dimension(), gram.flow.dimension()}};
 }
 
-PackedBatch Pack(LiveBatch&& batch) {
+PackedBatch Pack(LiveBatch&& batch, ColumnPacker& packer) {
   PackedBatch packed;
-  packed.raw =
-      PackRaw(batch.raw.time, batch.raw.signal, batch.raw.quality, -std::numeric_limits<double>::infinity());
+  packed.raw = PackRaw(batch.raw.time, batch.raw.signal, batch.raw.quality,
+                       -std::numeric_limits<double>::infinity(), packer);
   packed.rows = static_cast<std::int64_t>(batch.raw.rows());
   for (const StrokeRecord& record : batch.strokes) packed.strokes.push_back(Pack(record));
   packed.pipeline_state = std::move(batch.pipeline_state);

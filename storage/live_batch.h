@@ -37,6 +37,6 @@ struct PackedBatch {
   std::vector<std::uint8_t> pipeline_state, sender_marks;
   std::int64_t rows_taken = 0;
 };
-PackedBatch Pack(LiveBatch&& batch);
+PackedBatch Pack(LiveBatch&& batch, ColumnPacker& packer);
 
 }  // namespace hydroscope

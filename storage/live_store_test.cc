@@ -34,7 +34,8 @@ LiveBatch Batch(std::int64_t first_row, std::int64_t last_row, std::int64_t firs
 }
 
 Status Store(Press& press, std::int64_t run, LiveBatch batch, const RawLimits& limits = {}) {
-  const PackedBatch packed = Pack(std::move(batch));
+  ColumnPacker packer;
+  const PackedBatch packed = Pack(std::move(batch), packer);
   const LiveStep step{run, &packed};
   return press.database.StoreLive({&step, 1}, kSignals, limits);
 }

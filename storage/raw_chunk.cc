@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "storage/raw_codec.h"
-
 namespace hydroscope {
 namespace {
 
@@ -33,10 +31,10 @@ std::vector<std::uint8_t> PackFlags(const std::vector<std::vector<Quality>>& fla
 
 Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                                       const std::vector<std::vector<double>>& values,
-                                      const std::vector<std::vector<Quality>>& flags, double after) {
+                                      const std::vector<std::vector<Quality>>& flags, double after,
+                                      ColumnPacker& packer) {
   if (const Status valid = CheckTime(time); !valid) return tl::unexpected(valid.error());
   std::vector<RawChunk> chunks;
-  ColumnPacker packer;
   const auto first_new =
       static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), after) - time.begin());
   for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {

@@ -6,6 +6,7 @@
 
 #include "core/quality.h"
 #include "core/result.h"
+#include "storage/raw_codec.h"
 
 namespace hydroscope {
 
@@ -23,6 +24,7 @@ struct RawChunk {
 /// as `time` has; no flags: all are good. Error: the time does not increase.
 Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                                       const std::vector<std::vector<double>>& values,
-                                      const std::vector<std::vector<Quality>>& flags, double after);
+                                      const std::vector<std::vector<Quality>>& flags, double after,
+                                      ColumnPacker& packer);
 
 }  // namespace hydroscope

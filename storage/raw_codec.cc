@@ -211,6 +211,22 @@ std::optional<std::vector<std::uint8_t>> Inflate(std::span<const std::uint8_t> b
   return plain;
 }
 
+/// A zlib stream (RFC 1950) of stored blocks: the bytes as they are.
+void PutStored(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out) {
+  const auto put = [&](std::initializer_list<std::uint32_t> values) {
+    for (const std::uint32_t value : values) out.push_back(static_cast<std::uint8_t>(value));
+  };
+  put({kZlibBegins, 0x01});
+  const auto sum = static_cast<std::uint32_t>(adler32_z(adler32(0, nullptr, 0), bytes.data(), bytes.size()));
+  do {
+    const auto size = static_cast<std::uint32_t>(std::min<std::size_t>(bytes.size(), 0xffff));
+    put({size == bytes.size(), size, size >> 8, ~size, ~size >> 8});
+    out.insert(out.end(), bytes.begin(), bytes.begin() + size);
+    bytes = bytes.subspan(size);
+  } while (!bytes.empty());
+  put({sum >> 24, sum >> 16, sum >> 8, sum});
+}
+
 /// Version 1: the first bytes of all values of a column, then their second bytes, ...; all columns together.
 template <typename T>
 std::vector<std::vector<T>> Unshuffle(const std::vector<std::uint8_t>& shuffled, std::size_t columns,
@@ -267,11 +283,6 @@ class ColumnPacker::Deflater {
   Deflater(const Deflater&) = delete;
   Deflater& operator=(const Deflater&) = delete;
 
-  /// `plain`: the bytes are kept as they are.
-  void Begin(bool plain) {
-    deflateReset(&stream_);
-    deflateParams(&stream_, plain ? Z_NO_COMPRESSION : kLevel, plain ? Z_DEFAULT_STRATEGY : Z_RLE);
-  }
   void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
     stream_.next_in = const_cast<Bytef*>(bytes.data());
     stream_.avail_in = static_cast<uInt>(bytes.size());
@@ -286,8 +297,13 @@ class ColumnPacker::Deflater {
   template <typename T>
   std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
     std::vector<std::uint8_t> packed = {kVersion};
-    Begin(columns.front().size() <= kFewRows);
     std::vector<std::uint8_t> plain;
+    if (columns.front().size() <= kFewRows) {
+      for (const auto& column : columns) PutColumn(column, plain);
+      PutStored(plain, packed);
+      return packed;
+    }
+    deflateReset(&stream_);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const bool last = c + 1 == columns.size();
       PutColumn(columns[c], plain);

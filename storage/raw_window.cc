@@ -158,7 +158,8 @@ Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& sign
       if (values[i].size() != time.size())
         return InternalError("raw samples: {} has {} rows, time has {}", signals[i], values[i].size(),
                              time.size());
-    const auto chunks = PackRaw(time, values, {}, RawStoredUntil(*impl_, run));
+    ColumnPacker packer;
+    const auto chunks = PackRaw(time, values, {}, RawStoredUntil(*impl_, run), packer);
     if (!chunks) return tl::unexpected(chunks.error());
     constexpr double kAnyAge = std::numeric_limits<double>::infinity();
     return AppendRaw(*impl_, *row, signals, *chunks, {max_bytes, kAnyAge});

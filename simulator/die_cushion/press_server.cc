@@ -72,11 +72,12 @@ Status PressServer::Open() {
     if (!publisher) return tl::unexpected(publisher.error());
     publisher_ = std::move(*publisher);
   }
+  Simulate();
   if (!options_.modbus) return {};
   // The first client must already find samples in the registers.
   const auto fill = [this](std::span<std::uint16_t> registers) {
     map_.WriteHead(registers);
-    Produce(registers);
+    WriteBatch(registers);
   };
   const auto on_coil = [this](int coil, std::span<std::uint16_t> registers) {
     if (coil != press_map::kSweepCoil) return;
@@ -87,7 +88,8 @@ Status PressServer::Open() {
   auto server = ModbusServer::Start(options_.modbus->host, options_.modbus->port, fill, on_coil);
   if (!server) return tl::unexpected(server.error());
   modbus_ = std::move(*server);
-  Publish();
+  PublishBatch();
+  Simulate();
   return {};
 }
 
@@ -120,40 +122,43 @@ void PressServer::TakeSweepRequest() {
   sweep_request_.reset();
 }
 
+/// Ahead of the time at which the batch is due, so that it is sent then and not when it has been computed.
+void PressServer::Simulate() {
+  batch_.clear();
+  values_.clear();
+  for (std::size_t k = 0; k < batch_rows_; ++k) {
+    const std::vector<PressRow>& rows = batch_.emplace_back(press_->Next());
+    for (const PressRow& row : rows)
+      for (const FastChannel& channel : kFastChannels) values_.push_back(row.*channel.value);
+  }
+}
+
 void PressServer::ServeBatch() {
   if (modbus_)
     modbus_->Update([this](std::span<std::uint16_t> registers) {
       TakeSweepRequest();
-      Produce(registers);
+      WriteBatch(registers);
     });
-  else
-    Produce({});
-  Publish();
+  PublishBatch();
+  Simulate();
 }
 
-void PressServer::Produce(std::span<std::uint16_t> registers) {
-  const std::vector<PressRow>* rows = nullptr;
-  std::int64_t time = 0;
-  values_.clear();
-  for (std::size_t k = 0; k < batch_rows_; ++k, ++sequence_) {
-    rows = &press_->Next();
-    time = SourceTime(rows->front().t);
-    if (k == 0) batch_time_ns_ = time;
-    for (const PressRow& row : *rows)
-      for (const FastChannel& channel : kFastChannels) values_.push_back(row.*channel.value);
-    if (!registers.empty()) map_.WriteRecord(sequence_, *rows, registers);
+void PressServer::WriteBatch(std::span<std::uint16_t> registers) {
+  for (std::size_t k = 0; k < batch_rows_; ++k) map_.WriteRecord(sequence_ + k, batch_[k], registers);
+  const std::vector<PressRow>& latest = batch_.back();
+  map_.WriteState(sequence_ + batch_rows_ - 1, SourceTime(latest.front().t), *press_, latest, registers);
+}
+
+void PressServer::PublishBatch() {
+  if (publisher_ && !muted_) {
+    const auto period_ns = std::llround(options_.press.press.sample_period * 1e9);
+    ++counters_.batches;
+    if (!publisher_->Write(sequence_, SourceTime(batch_.front().front().t), period_ns,
+                           static_cast<std::uint32_t>(batch_rows_), values_))
+      ++counters_.dropped_batches;
   }
-  if (!registers.empty()) map_.WriteState(sequence_ - 1, time, *press_, *rows, registers);
+  sequence_ += batch_rows_;
   counters_.rows += static_cast<std::int64_t>(batch_rows_);
-}
-
-void PressServer::Publish() {
-  if (!publisher_ || muted_) return;
-  const auto period_ns = std::llround(options_.press.press.sample_period * 1e9);
-  ++counters_.batches;
-  if (!publisher_->Write(sequence_ - batch_rows_, batch_time_ns_, period_ns,
-                         static_cast<std::uint32_t>(batch_rows_), values_))
-    ++counters_.dropped_batches;
 }
 
 Status PressServer::Do(const LiveCommand& command) {

@@ -198,7 +198,6 @@ void LiveRig::StartPress() {
   }
   press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network, "/proc/self/exe",
                                    press_environment_);
-  press_->SetNice(options_.nice);
 }
 
 void LiveRig::StartService(std::vector<std::string> more) {
