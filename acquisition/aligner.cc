@@ -351,6 +351,11 @@ void Aligner::FillHeld(Axis& axis, std::size_t from, std::int64_t row, std::size
   }
 }
 
+std::int64_t Aligner::NewestSampled(int axis) const {
+  const Axis& of = *axes_[static_cast<std::size_t>(axis)];
+  return Due(of, of.first_row - 1);
+}
+
 bool Aligner::Take(int axis, SampleBlock& block) {
   Axis& from = *axes_[static_cast<std::size_t>(axis)];
   if (from.ready.rows() == 0) return false;

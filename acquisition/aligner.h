@@ -99,6 +99,8 @@ class Aligner {
   void Advance(std::int64_t now);
   /// Moves the rows that are ready into `block`; false if there are none.
   bool Take(int axis, SampleBlock& block);
+  /// ns, monotonic: when the newest row given out was sampled, by its sender's clock as it is known now.
+  std::int64_t NewestSampled(int axis) const;
 
   /// Which rows of which sender are among those taken, and the time of the last row.
   std::vector<std::uint8_t> marks(int axis) const;

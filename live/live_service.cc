@@ -268,10 +268,8 @@ void LiveService::ProcessAxis(int a, std::int64_t now, int& steps, std::vector<W
   AxisState& axis = *axes_[static_cast<std::size_t>(a)];
   SampleBlock block;
   bool stroke = false;
-  double newest = 0;
   while (aligner_->Take(a, block)) {
     if (tap_) tap_(a, block);
-    newest = block.time.back();
     stroke = axis.pipeline->Process(std::move(block)) || stroke;
   }
   // Axes one behind the other: they share transactions, and the pages of the database these touch.
@@ -284,7 +282,7 @@ void LiveService::ProcessAxis(int a, std::int64_t now, int& steps, std::vector<W
     WriteItem item = axis.pipeline->TakeStep(aligner_->marks(a));
     if (stroke) {
       item.taken = clock_().monotonic_ns;
-      item.sent = start_.monotonic_ns + std::llround(newest * 1e9 - static_cast<double>(start_.wall_ns));
+      item.sent = aligner_->NewestSampled(a);
     }
     items.push_back(std::move(item));
     if (items.size() >= kItemsTogether) writer_->Push(std::move(items));
