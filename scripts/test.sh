@@ -4,5 +4,5 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 scripts/build.sh release
-# Two more than cores: many tests wait for processes and networks more than they compute.
-ctest --preset release --parallel "${HYDROSCOPE_TEST_JOBS:-$(($(nproc) + 2))}" "$@"
+# Three more than cores: many tests wait for processes and networks more than they compute, and a test in the browser counts as two.
+ctest --preset release --parallel "${HYDROSCOPE_TEST_JOBS:-$(($(nproc) + 3))}" "$@"

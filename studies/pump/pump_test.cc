@@ -27,10 +27,10 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
 }
 
-/// 12 s of a random pump of which the outlet pressure alone is measured.
+/// 8 s of a random pump of which the outlet pressure alone is measured.
 Episode OutletEpisode(std::uint64_t seed) {
   PumpOptions options = RandomPump(seed);
-  options.seconds = 12;
+  options.seconds = 8;
   return PumpEpisode(SimulatePump(options), PumpFile(false));
 }
 StateFit OutletFit(const Episode& episode) {
