@@ -22,7 +22,7 @@ void Append(const SampleBlock& from, SampleBlock& to) {
 }  // namespace
 
 Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared_ptr<const LiveModel> model,
-                                                            ColumnPacker& packer) {
+                                                           ColumnPacker& packer) {
   std::unique_ptr<AxisPipeline> made(new AxisPipeline(axis, std::move(model), packer));
   if (const Status built = made->Build(); !built) return tl::unexpected(built.error());
   return made;

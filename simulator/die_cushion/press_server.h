@@ -101,9 +101,9 @@ class PressServer {
   PressMap map_;
   mutable std::mutex mutex_;  // guards everything below
   std::unique_ptr<LivePress> press_;
-  std::uint64_t sequence_ = 0;                 // of the first row that is not served yet
-  std::vector<std::vector<PressRow>> batch_;   // the next to be served: for each row, all axes
-  std::vector<double> values_;                 // the same as it is published
+  std::uint64_t sequence_ = 0;                // of the first row that is not served yet
+  std::vector<std::vector<PressRow>> batch_;  // the next to be served: for each row, all axes
+  std::vector<double> values_;                // the same as it is published
   double clock_jump_ = 0;
   bool muted_ = false, frozen_ = false, quit_ = false;
   Counters counters_;
