@@ -50,6 +50,8 @@ const char* Note(PointReason reason) {
       return "          left out: no power\n";
     case PointReason::kDisturbed:
       return "          left out: disturbed\n";
+    case PointReason::kOffTheOthers:
+      return "          left out: off the others\n";
     case PointReason::kOutsideRange:
       return "          left out: outside the range\n";
   }

@@ -13,6 +13,7 @@ constexpr double kFar = 25;    // squared distance from the model, in the varian
 constexpr double kMostLeftOut = 0.2;  // of the points
 constexpr double kBetter = 0.5;       // misfit of what remains, in that of all
 constexpr int kRounds = 10;
+constexpr int kFewestWithOneOff = 8;  // points used, so that one of them is one among many
 
 /// Points used whose command is weak.
 std::vector<FrequencyPoint*> WeakPoints(std::vector<FrequencyPoint>& points) {
@@ -28,13 +29,17 @@ std::vector<FrequencyPoint*> WeakPoints(std::vector<FrequencyPoint>& points) {
   return weak;
 }
 
+/// The point lies far from the model of the others.
+bool Far(const FrequencyPoint& p, const ValveModel& model) {
+  const double variances = 2 * kFar * model.inflation * model.inflation;
+  return std::norm(p.response - model.Response(p.frequency)) > variances * p.variance;
+}
+
 /// Leaves out the weak points that the model is far from, and takes the others; true if that changed any.
 bool Sort(const std::vector<FrequencyPoint*>& weak, const ValveModel& model) {
-  const double variances = 2 * kFar * model.inflation * model.inflation;
   bool changed = false;
   for (FrequencyPoint* p : weak) {
-    const bool far = std::norm(p->response - model.Response(p->frequency)) > variances * p->variance;
-    const PointReason reason = far ? PointReason::kDisturbed : PointReason::kUsed;
+    const PointReason reason = Far(*p, model) ? PointReason::kDisturbed : PointReason::kUsed;
     changed = changed || reason != p->reason;
     p->reason = reason;
   }
@@ -60,6 +65,28 @@ std::optional<ValveModel> FitWithoutDisturbed(std::vector<FrequencyPoint>& point
   if (!model || left_out == 0 || !few || model->inflation > kBetter * of_all.inflation) return std::nullopt;
   points = std::move(trial);
   return *model;
+}
+
+std::optional<ValveModel> FitWithoutOne(std::vector<FrequencyPoint>& points, const ValveModel& of_all,
+                                        double sample_period) {
+  const auto used =
+      std::ranges::count_if(points, [](const auto& p) { return p.reason == PointReason::kUsed; });
+  if (!(of_all.inflation > kMisfit) || used < kFewestWithOneOff) return std::nullopt;
+  std::optional<ValveModel> best;
+  FrequencyPoint* off = nullptr;
+  for (FrequencyPoint& p : points) {
+    if (p.reason != PointReason::kUsed) continue;
+    p.reason = PointReason::kOffTheOthers;
+    const auto model = FitValveModel(points, 1, sample_period);
+    p.reason = PointReason::kUsed;
+    if (!model || (best && model->inflation >= best->inflation)) continue;
+    best = *model;
+    off = &p;
+  }
+  if (!best || best->inflation > kMisfit || best->inflation > kBetter * of_all.inflation || !Far(*off, *best))
+    return std::nullopt;
+  off->reason = PointReason::kOffTheOthers;
+  return best;
 }
 
 }  // namespace hydroscope

@@ -1,7 +1,9 @@
 #include "estimation/frequency_response/disturbed_points.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 
@@ -63,6 +65,47 @@ TEST(DisturbedPoints, WithoutADisturbanceNoneIsLeftOut) {
   ASSERT_TRUE(response && response->model);
   for (const FrequencyPoint& p : response->points)
     EXPECT_NE(p.reason, PointReason::kDisturbed) << p.frequency;
+}
+
+/// A valve of 120 Hz swept by sines of which one, of 50 Hz, meets a hum of `hum` times its amplitude in the response.
+FrequencyRecord SweepWithHum(double hum, std::uint64_t seed) {
+  test_signals::Sweep sweep;
+  sweep.f0 = 120;
+  sweep.damping = 0.8;
+  FrequencyRecord record = test_signals::Simulate(sweep, seed);
+  std::vector<double>& response = record.runs[0].output;
+  for (std::size_t n = 0; n < response.size(); ++n)
+    response[n] +=
+        hum * sweep.amplitude *
+        std::sin(2 * std::numbers::pi * 50 * static_cast<double>(n) * 1e-3 + 0.7 * static_cast<double>(seed));
+  return record;
+}
+
+int CountOff(const FrequencyResponse& response) {
+  return static_cast<int>(
+      std::ranges::count(response.points, PointReason::kOffTheOthers, &FrequencyPoint::reason));
+}
+
+TEST(DisturbedPoints, AHumOfJustAHeldFrequencyDoesNotSpoilTheModel) {
+  for (const double hum : {0.02, 0.1, 0.4})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const auto response = MeasureFrequencyResponse(SweepWithHum(hum, seed));
+      ASSERT_TRUE(response && response->model) << hum;
+      const ValueWithStd f0 = response->model->natural_frequency;
+      EXPECT_NEAR(f0.value, 120, 3 * f0.std) << hum;
+      EXPECT_LT(f0.std, 0.5) << hum;
+      EXPECT_EQ(CountOff(*response), 1) << hum;
+      EXPECT_THAT(response->warnings, testing::Contains(testing::HasSubstr("hum of just this frequency")))
+          << hum;
+    }
+}
+
+TEST(DisturbedPoints, WithoutAHumNoHeldFrequencyIsOff) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto response = MeasureFrequencyResponse(SweepWithHum(0, seed));
+    ASSERT_TRUE(response && response->model);
+    EXPECT_EQ(CountOff(*response), 0) << seed;
+  }
 }
 
 }  // namespace

@@ -162,6 +162,9 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
         response);
     if (!response.model) break;
   }
+  if (auto without = response.model ? FitWithoutOne(response.points, *response.model, record.sample_period)
+                                    : std::nullopt)
+    TakeModel(std::move(*without), response);
   const int total = static_cast<int>(response.points.size());
   const int clipped = CountReason(response.points, PointReason::kClipped);
   const int silent = CountReason(response.points, PointReason::kNoResponse);
@@ -192,6 +195,10 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   warn(silent, "the response does not stand out of its noise");
   warn(brief, "fewer than 2 whole periods after the transient");
   warn(CountReason(response.points, PointReason::kOutsideRange), "outside the range asked for");
+  warn(
+      CountReason(response.points, PointReason::kOffTheOthers),
+      "far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
+      "next to it");
   if (search.unsteady > 0) {
     response.warnings.push_back(fmt::format(
         "{} stretches of the command were left out: frequency or amplitude not steady", search.unsteady));
@@ -365,6 +372,8 @@ const char* PointReasonName(PointReason reason) {
       return "no_power";
     case PointReason::kDisturbed:
       return "disturbed";
+    case PointReason::kOffTheOthers:
+      return "off_the_others";
     case PointReason::kOutsideRange:
       return "outside_range";
   }

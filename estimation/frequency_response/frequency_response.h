@@ -38,6 +38,7 @@ enum class PointReason {
   kClipped,       ///< command or response sits on a rail for a part of each period
   kNoPower,       ///< the command has hardly any power there: coherent by accident or by a disturbance
   kDisturbed,     ///< a weak command, and another law than elsewhere: a disturbance of both channels
+  kOffTheOthers,  ///< far off the model that describes all others: a disturbance of the response at this frequency
   kOutsideRange,  ///< outside the range of frequencies asked for
 };
 /// Short machine name ("used", "too_short", ...).
