@@ -85,6 +85,10 @@ std::optional<ValveModel> FitWithoutOne(std::vector<FrequencyPoint>& points, con
   }
   if (!best || best->inflation > kMisfit || best->inflation > kBetter * of_all.inflation || !Far(*off, *best))
     return std::nullopt;
+  const auto bends = [&](const FrequencyPoint& p) {
+    return &p != off && p.reason == PointReason::kUsed && p.OwnDistortion() > 0;
+  };
+  if (std::ranges::any_of(points, bends)) return std::nullopt;
   off->reason = PointReason::kOffTheOthers;
   return best;
 }

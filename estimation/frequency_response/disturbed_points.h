@@ -17,7 +17,8 @@ std::optional<ValveModel> FitWithoutDisturbed(std::vector<FrequencyPoint>& point
 
 /// The model of stepped sines of which one frequency is that of a disturbance, such as a hum, in the response. If the model
 /// `of_all` points used misfits, each point is left out in turn; where without one of them the others fit within kMisfit times
-/// their noise, and it lies far off their model, it is marked kOffTheOthers. nullopt, and no point is marked, if that is not it.
+/// their noise, and it lies far off their model, it is marked kOffTheOthers. nullopt, and no point is marked, if that is not it, or where harmonics
+/// at other points say that the valve is not linear.
 std::optional<ValveModel> FitWithoutOne(std::vector<FrequencyPoint>& points, const ValveModel& of_all,
                                         double sample_period);
 

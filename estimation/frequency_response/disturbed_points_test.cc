@@ -100,6 +100,22 @@ TEST(DisturbedPoints, AHumOfJustAHeldFrequencyDoesNotSpoilTheModel) {
     }
 }
 
+TEST(DisturbedPoints, WhatADeadBandBendsIsNoHum) {
+  for (const double band : {0.0005, 0.001, 0.002, 0.004, 0.008}) {
+    FrequencyRecord record = SweepWithHum(0, 1);
+    SecondOrderStep valve{2 * std::numbers::pi * 120, 0.8};
+    Normal normal(5);
+    for (std::size_t n = 0; n < record.runs[0].input.size(); ++n) {
+      record.runs[0].output[n] = valve.position + 6.8e-5 * normal();
+      const double u = record.runs[0].input[n];
+      valve(u - std::clamp(u, -band, band));
+    }
+    const auto response = MeasureFrequencyResponse(record);
+    ASSERT_TRUE(response) << band;
+    EXPECT_EQ(CountOff(*response), 0) << band;
+  }
+}
+
 TEST(DisturbedPoints, WithoutAHumNoHeldFrequencyIsOff) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto response = MeasureFrequencyResponse(SweepWithHum(0, seed));

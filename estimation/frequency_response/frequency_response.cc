@@ -426,13 +426,15 @@ Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record
   return response;
 }
 
+double FrequencyPoint::OwnDistortion() const {
+  const double own = output_distortion - std::max(0.0, input_distortion);
+  return own > 4 * distortion_std ? own : 0;
+}
+
 double WorstDistortion(const std::vector<FrequencyPoint>& points) {
   double worst = 0;
-  for (const FrequencyPoint& p : points) {
-    if (std::isnan(p.output_distortion) || p.reason == PointReason::kNoResponse) continue;
-    const double own = p.output_distortion - std::max(0.0, p.input_distortion);
-    if (own > 4 * p.distortion_std) worst = std::max(worst, own);
-  }
+  for (const FrequencyPoint& p : points)
+    if (p.reason != PointReason::kNoResponse) worst = std::max(worst, p.OwnDistortion());
   return worst;
 }
 

@@ -68,6 +68,8 @@ struct FrequencyPoint {
   double GainStd() const;
   /// The same of the phase, rad.
   double PhaseStd() const;
+  /// Harmonic share of the response beyond that of the command; 0 where it does not stand out of its noise.
+  double OwnDistortion() const;
 };
 
 /// A value with a standard deviation: value +- 1.96 std is the 95 % interval.
