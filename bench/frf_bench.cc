@@ -17,15 +17,20 @@ namespace {
 constexpr double kPeriod = 1e-3;  // s
 constexpr int kSamples = 60000;
 
-/// Response of a first-order lag with 5 ms to `command`, with a little noise.
-FrequencyRecord Lagged(std::vector<double> command) {
+/// Response of a valve of 80 Hz and damping 0.7 to `command`, with a little noise.
+FrequencyRecord Followed(std::vector<double> command) {
+  constexpr int kSubsteps = 20;
+  constexpr double kOmega = 2 * std::numbers::pi * 80, kDamping = 0.7, kStep = kPeriod / kSubsteps;
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0, 1e-3);
   SignalRun run;
-  double state = 0;
+  double position = 0, speed = 0;
   for (double u : command) {
-    run.output.push_back(state + noise(random));
-    state += (1 - std::exp(-kPeriod / 5e-3)) * (u - state);
+    run.output.push_back(position + noise(random));
+    for (int k = 0; k < kSubsteps; ++k) {
+      speed += kStep * kOmega * (kOmega * (u - position) - 2 * kDamping * speed);
+      position += kStep * speed;
+    }
   }
   run.input = std::move(command);
   return {kPeriod, {std::move(run)}};
@@ -39,15 +44,19 @@ FrequencyRecord SteppedSines() {
     phase += 2 * std::numbers::pi * (2.0 * std::pow(1.22, step)) * kPeriod;
     command.push_back(0.2 * std::sin(phase));
   }
-  return Lagged(std::move(command));
+  return Followed(std::move(command));
 }
 
 FrequencyRecord Noise() {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal(0, 0.2);
   std::vector<double> command(kSamples);
-  for (double& u : command) u = normal(random);
-  return Lagged(std::move(command));
+  double once = 0, twice = 0;  // low-passed at some 100 Hz, as an amplifier does
+  for (double& u : command) {
+    once += 0.5 * (normal(random) - once);
+    u = twice += 0.5 * (once - twice);
+  }
+  return Followed(std::move(command));
 }
 
 /// CPU seconds of one evaluation, best of `repeats`; negative if it fails.

@@ -77,7 +77,7 @@ std::optional<ValveModel> FitWithoutOne(std::vector<FrequencyPoint>& points, con
   for (FrequencyPoint& p : points) {
     if (p.reason != PointReason::kUsed) continue;
     p.reason = PointReason::kOffTheOthers;
-    const auto model = FitValveModel(points, 1, sample_period);
+    const auto model = FitValveModel(points, 1, sample_period, of_all.command_hold > 0, &of_all);
     p.reason = PointReason::kUsed;
     if (!model || (best && model->inflation >= best->inflation)) continue;
     best = *model;
