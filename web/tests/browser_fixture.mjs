@@ -44,6 +44,15 @@ export async function until(page, condition) {
   assert.fail(`not so after ${patience} ms: ${condition}`);
 }
 
+/** The errors of the versions of the model, as they stand on the page, once all of them are judged. */
+export async function errorsOfVersions(page) {
+  await until(page, () => {
+    const errors = [...document.querySelectorAll(".staircase .error")];
+    return errors.length > 0 && errors.every((error) => /\d/.test(error.textContent));
+  });
+  return page.locator(".staircase .error").allInnerTexts();
+}
+
 /** Goes to an element with the Tab key alone, as somebody without a mouse does. */
 export async function tabTo(page, selector) {
   await page.waitForSelector(selector);

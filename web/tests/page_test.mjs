@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, endBrowser, errorsOfVersions, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -92,7 +92,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.waitForSelector("[data-error]");
   assert.equal(Number(await page.locator("[data-error]").getAttribute("data-error")), foretold);
   await page.waitForSelector("[data-verdict=adequate]");
-  const [base, added] = await page.locator(".staircase .error").allInnerTexts();
+  const [base, added] = await errorsOfVersions(page);
   const noise = parseFloat((await page.locator(".noise-key").innerText()).match(/: ([\d.]+)/)[1]);
   assert.ok(parseFloat(base) > 1.15 * noise, `${base} of the base model is far above the noise ${noise}`);
   assert.ok(parseFloat(added) < 1.05 * noise, `${added} with the effect is near the noise ${noise}`);
@@ -310,7 +310,7 @@ test("a machine that is no cushion goes the same way, with its own effect", asyn
   await page.click("[data-add=pressure_friction]");
   await page.waitForSelector("[data-error]");
   await page.waitForSelector("[data-verdict=adequate]");
-  const [base, added] = (await page.locator(".staircase .error").allInnerTexts()).map(parseFloat);
+  const [base, added] = (await errorsOfVersions(page)).map(parseFloat);
   assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
 });
 
@@ -346,7 +346,7 @@ test("an expression of one's own is checked while it is written, tried and added
   await page.click("[data-add=dry_seal]");
   await page.waitForSelector("[data-error]");
   await page.waitForSelector("[data-verdict=adequate]");
-  const [base, added] = (await page.locator(".staircase .error").allInnerTexts()).map(parseFloat);
+  const [base, added] = (await errorsOfVersions(page)).map(parseFloat);
   assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
 });
 
