@@ -28,6 +28,21 @@ TEST(Aligner, TimesAreWallTimesOfTheHostAndOneGridPeriodApart) {
   for (std::size_t k = 1; k < 1000; ++k) ASSERT_NEAR(bench.got.time[k] - bench.got.time[k - 1], 1e-3, 1e-6);
 }
 
+TEST(Aligner, WhenARowWasSampledIsToldAtOnceAlsoAfterASlowStart) {
+  AlignerBench bench;
+  bench.now += 60 * kMs;  // the first messages wait so long
+  for (std::uint64_t s = 0; s < 300; s += 10, bench.now += 10 * kMs) {
+    bench.aligner.Advance(bench.now);
+    bench.Add(bench.Rows(s, 10));
+  }
+  bench.now -= 60 * kMs;
+  bench.Stream(300, 2000);
+  const double sampled = static_cast<double>(bench.aligner.NewestSampled(0) - bench.now) * 1e-9;
+  const double grid = bench.got.time.back() - static_cast<double>(kStartWall + bench.now - kStartMono) * 1e-9;
+  EXPECT_NEAR(sampled, 0, 1e-3);
+  EXPECT_GT(grid, 0.03) << "times of rows follow slowly";
+}
+
 TEST(Aligner, AReorderedBatchIsPutWhereItBelongs) {
   AlignerBench bench;
   bench.Stream(0, 500);

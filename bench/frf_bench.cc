@@ -51,7 +51,7 @@ FrequencyRecord Noise() {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal(0, 0.2);
   std::vector<double> command(kSamples);
-  double once = 0, twice = 0;  // low-passed at some 100 Hz, as an amplifier does
+  double once = 0, twice = 0;  // through two lags of 1.4 ms, as an amplifier has
   for (double& u : command) {
     once += 0.5 * (normal(random) - once);
     u = twice += 0.5 * (once - twice);

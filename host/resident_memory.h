@@ -9,8 +9,8 @@ namespace hydroscope {
 void KeepFreedMemory();
 
 /// Fetches `bytes` for the calling thread from the system and frees them, so that with KeepFreedMemory() the first burst of work
-/// meets no page faults. Source: Linux Foundation, real-time Linux wiki, "Memory for real-time applications": allocate,
-/// touch, free.
+/// meets no page faults: allocate, touch, free. Source: Linux Foundation, real-time Linux wiki, "Memory for real-time
+/// applications".
 void FetchMemory(std::size_t bytes);
 
 }  // namespace hydroscope

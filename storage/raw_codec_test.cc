@@ -115,6 +115,19 @@ TEST(RawCodec, FewRowsComeBackToo) {
   }
 }
 
+TEST(RawCodec, FewRowsOfManyColumnsComeBack) {
+  constexpr std::size_t kFew = 100, kColumns = 200;  // more bytes than one stored block holds
+  std::mt19937_64 random(9);
+  std::vector<std::vector<double>> columns(kColumns, std::vector<double>(kFew));
+  for (auto& column : columns)
+    for (double& value : column) value = std::bit_cast<double>(random() >> 2);
+  const auto packed = PackColumns(std::vector<std::span<const double>>(columns.begin(), columns.end()));
+  EXPECT_GT(packed.size(), 0x10000u);
+  const auto back = UnpackColumns(packed, kColumns, kFew);
+  ASSERT_TRUE(back) << back.error().text;
+  EXPECT_EQ(*back, columns);
+}
+
 TEST(RawCodec, DamagedBytesAreRefusedWhateverTheyAre) {
   const auto column = Column([](std::size_t i, double) { return 0.5 * static_cast<double>(i % 9); });
   const auto packed = PackColumns(std::vector<std::span<const double>>{column, column});

@@ -13,8 +13,8 @@ namespace {
 
 /// Distance of the points from the model, rms over rms of the gain, above which the model describes another thing. Second order
 /// is an approximation: that of the servo press (`hydroscope frf chirp_0A.txt --segment 4096`) is off by 1.5 %. Beyond
-/// the limit f0 is of no valve, whatever its interval says (a spool at its highest speed, a dead band, a valve that changed amid
-/// the sweep).
+/// the limit f0 is of no valve, whatever its interval says: a spool at its highest speed, a dead band, or a valve that
+/// changed amid the sweep.
 constexpr double kFarOff = 0.05;
 /// Distance of the response from a mere gain and delay, relative, below which it has no dynamics.
 constexpr double kNoLag = 0.005, kFewestPoints = 3;
