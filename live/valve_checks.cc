@@ -34,6 +34,7 @@ double Mean(const SampleBlock& rows, int signal) {
 FrequencyRecord RecordOf(const SampleBlock& rows, const Machine& machine) {
   FrequencyRecord record;
   record.sample_period = machine.live->grid_period;
+  record.shares = machine.IsShare(machine.valve.output);
   const auto in = static_cast<std::size_t>(machine.SignalIndex(machine.valve.input));
   const auto out = static_cast<std::size_t>(machine.SignalIndex(machine.valve.output));
   constexpr Quality kBad = quality::kMissing | quality::kGap | quality::kClockJump | quality::kOutOfRange;
@@ -91,8 +92,14 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
   if (!check)
     return ended("unusable", "the sweep ran, but no model fits its record: " + response->model_reason);
   Fill(*check, record);
-  return ended("measured", fmt::format("{} frequencies, {:.1f} s recorded", response->points.size(),
-                                       static_cast<double>(rows.rows()) * machine.live->grid_period));
+  std::string detail = fmt::format("{} frequencies, {:.1f} s recorded", response->points.size(),
+                                   static_cast<double>(rows.rows()) * machine.live->grid_period);
+  if (check->worst_distortion > kNotableDistortion)
+    detail += fmt::format(
+        "; up to {:.1f} % harmonics that the command does not have (limit, dead band or play): gain and frequency hold for this "
+        "amplitude only",
+        100 * check->worst_distortion);
+  return ended("measured", std::move(detail));
 }
 
 ValveChecks::ValveChecks(LiveService& service, const ValveCheckOptions& options, Clock clock)

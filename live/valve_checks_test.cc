@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulator/valve/valve_sweep.h"
@@ -11,6 +12,7 @@ namespace hydroscope {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 Machine ValveMachine() {
   Machine machine;
@@ -64,6 +66,27 @@ TEST(JudgeSweep, ASweepWithoutExcitationIsUnusableAndNotABadValve) {
   const ValveCheckRecord record = JudgeSweep(rows, ValveMachine(), SweepStatus::kDone, 0, 0.1);
   EXPECT_EQ(record.outcome, "unusable");
   EXPECT_THAT(record.detail, HasSubstr("tells nothing"));
+}
+
+TEST(JudgeSweep, APositionThatIsPercentWhereTheMachineFileSaysShareIsNoMeasuredValve) {
+  Machine machine = ValveMachine();
+  machine.signals[1].unit = "1";
+  EXPECT_EQ(JudgeSweep(Sweep(), machine, SweepStatus::kDone, 0, 0.1).outcome, "measured");
+  SampleBlock rows = Sweep();
+  for (double& y : rows.signal[1]) y *= 100;
+  const ValveCheckRecord record = JudgeSweep(rows, machine, SweepStatus::kDone, 0, 0.1);
+  EXPECT_EQ(record.outcome, "unusable");
+  EXPECT_THAT(record.detail, HasSubstr("full command would move the spool"));
+}
+
+TEST(JudgeSweep, ADeadBandIsToldBesideTheFiguresThatItBends) {
+  EXPECT_THAT(JudgeSweep(Sweep(), ValveMachine(), SweepStatus::kDone, 0, 0.1).detail, Not(HasSubstr("harmonics")));
+  SampleBlock rows = Sweep();
+  const double band = 0.2 * *std::ranges::max_element(rows.signal[1]);
+  for (double& y : rows.signal[1]) y = std::copysign(std::max(0.0, std::abs(y) - band), y);
+  const ValveCheckRecord record = JudgeSweep(rows, ValveMachine(), SweepStatus::kDone, 0, 0.1);
+  EXPECT_EQ(record.outcome, "measured") << record.detail;
+  EXPECT_THAT(record.detail, HasSubstr("harmonics"));
 }
 
 }  // namespace

@@ -230,6 +230,8 @@ struct Machine {
   }
   /// Index of a signal, -1 if the machine has none of that name.
   int SignalIndex(std::string_view signal_name) const;
+  /// Whether a signal is a share of something, as a spool position is of its stroke; false of unknown signals.
+  bool IsShare(std::string_view signal_name) const;
   /// Geometry value or nullopt.
   std::optional<KnownValue> Geometry(const std::string& key) const;
 

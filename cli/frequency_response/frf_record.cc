@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/quality.h"
-#include "core/units.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
@@ -118,19 +117,13 @@ Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
   return machine;
 }
 
-/// Whether a signal is a share of something, as a spool position is of its stroke.
-bool IsShare(const Machine& machine, const std::string& signal) {
-  const auto unit = FindUnit(machine.signals[static_cast<std::size_t>(machine.SignalIndex(signal))].unit);
-  return unit && unit->si == "1";
-}
-
 }  // namespace
 
 Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machine) {
   if (const Status ok = CheckValveSignals(machine); !ok) return tl::unexpected(ok.error());
   auto record =
       ReadFrfRecord(path, machine, {machine.valve.input, machine.valve.output, machine.valve.full_scale});
-  if (record) record->record.shares = IsShare(machine, machine.valve.output);
+  if (record) record->record.shares = machine.IsShare(machine.valve.output);
   return record;
 }
 

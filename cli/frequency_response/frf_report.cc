@@ -15,7 +15,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kDistortionHint = 0.02;  // of the fundamental: a valve well inside its limits stays below
 constexpr std::size_t kMostRows = 40;     // of the table for people
 
 std::string WithUnit(ValueWithStd v, double factor, const char* unit) {
@@ -158,11 +157,11 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
   if (log.left_out > 0) {
     text += fmt::format("Note: {} of {} rows left out ({})\n", log.left_out, log.rows, log.left_out_why);
   }
-  if (const double worst = WorstDistortion(response.points); worst > kDistortionHint) {
+  if (const double worst = WorstDistortion(response.points); worst > kNotableDistortion) {
     text += fmt::format(
-        "Hint: up to {:.1f} % harmonics in the response that the command does not have: the valve "
-        "ran into a limit (spool speed, stroke) or has play; the model holds for small amplitudes, "
-        "repeat with less than {:.3g} {}\n",
+        "Hint: up to {:.1f} % harmonics in the response that the command does not have: the valve ran into a limit (spool speed, "
+        "stroke) or has a dead band or play, so that the model holds for this amplitude only. Repeat with half of {:.3g} {} and "
+        "with twice as much: a gain that rises with the amplitude is that of a dead band or play, one that falls that of a limit\n",
         100 * worst, MedianAmplitude(response) * unit.factor, unit.name);
   }
   return text;

@@ -163,6 +163,9 @@ struct ValveCheck {
 std::optional<ValveCheck> MakeValveCheck(const FrequencyResponse& response, double time,
                                          double supply_pressure, double oil_temperature);
 
+/// Share of the fundamental above which harmonics of the response are told: a valve well inside its limits stays below.
+inline constexpr double kNotableDistortion = 0.02;
+
 /// Largest distortion of the response that exceeds that of the command and its own noise (4 std); 0 if none.
 double WorstDistortion(const std::vector<FrequencyPoint>& points);
 
