@@ -1,5 +1,6 @@
 #include "estimation/frequency_response/correlation.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
 #include <boost/math/special_functions/trigamma.hpp>
@@ -131,11 +132,11 @@ double InverseTrigamma(double y) {
 
 bool LooksClipped(std::span<const double> signal) {
   if (signal.size() < 20) return false;
-  const auto [low, high] = std::minmax_element(signal.begin(), signal.end());
-  const double amplitude = (*high - *low) / 2;
+  const Eigen::Map<const Eigen::ArrayXd> values(signal.data(), static_cast<Eigen::Index>(signal.size()));
+  const double low = values.minCoeff(), high = values.maxCoeff();
+  const double amplitude = (high - low) / 2;
   if (!(amplitude > 0)) return true;
-  const auto at_low = std::count(signal.begin(), signal.end(), *low);
-  const auto at_high = std::count(signal.begin(), signal.end(), *high);
+  const auto at_low = (values == low).count(), at_high = (values == high).count();
   const double at_rail = static_cast<double>(std::max(at_low, at_high));
   const double samples = static_cast<double>(signal.size());
   if (at_rail <= std::max(kRailShare * samples, 5.0)) return false;

@@ -16,6 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kLineTolerance = 0.06;    // of a period: crossing against the line through the ones before
 constexpr double kPhasorTolerance = 0.02;  // of the amplitude: scatter of block phasors of a steady sine
+constexpr double kSettledPhase = 1e-7;     // rad over a stretch, by which a better frequency no longer matters
 constexpr int kFewestPeriods = 3;
 constexpr std::size_t kGuardSamples = 2;  // a change that starts within the tolerance shows a little late
 
@@ -233,8 +234,10 @@ void Examine(std::span<const double> signal, std::size_t begin, std::size_t end,
   Blocks blocks = BlockPhasors(signal, first, last, omega);
   if (blocks.phasor.size() < 2) return;
   for (int pass = 0; pass < 3; ++pass) {
-    omega += PhaseSlope(blocks);
+    const double slope = PhaseSlope(blocks);
+    omega += slope;
     if (!(omega > 0) || omega > kHeldSine.highest_omega) return;
+    if (std::abs(slope) * static_cast<double>(last - first) < kSettledPhase) break;
     blocks = BlockPhasors(signal, first, last, omega);
     if (blocks.phasor.size() < 2) return;
   }
