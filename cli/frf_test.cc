@@ -84,7 +84,7 @@ TEST_F(FrfCommand, LargeAmplitudeWithDistortionGivesAHint) {
   for (double& y : log.y_v) y -= 60 * y * y * y;
   Write("sweep.csv", FormatValveSweep(log));
   Run("sweep.csv");
-  EXPECT_NE(out_.find("repeat with less than 0.5 V"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("half of 0.5 V"), std::string::npos) << out_;
 }
 
 TEST_F(FrfCommand, ALogOfNoiseIsBadInputAndSaysWhatToDo) {

@@ -151,6 +151,8 @@ struct ExplainStep {
 struct OddStrokes {
   std::vector<std::size_t> strokes;  ///< indices of the strokes explained
   std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
+  std::string parameter =
+      {};  ///< of the base model: with another value in them it explains them as well; then `set` is []
 };
 
 /// A model that does better than the one as it is by giving up an effect that was added to it.

@@ -75,6 +75,66 @@ Explanation ExplainAgainst(const StrokeSet& strokes, const std::vector<std::size
   return Explain(strokes.WithEffectsIn(odd, rest.chosen), beside);
 }
 
+/// The model's error in strokes of which `gram` is the sum: what an error of `directions` (columns) of any sizes leaves of its
+/// energy.
+double LeftOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& error, const Eigen::MatrixXd& directions) {
+  const double energy = error.dot(gram * error);
+  if (directions.cols() == 0) return energy;
+  const Eigen::VectorXd together = directions.transpose() * (gram * error);
+  const NormalEquations equations{directions.transpose() * gram * directions, together, 0, 0};
+  const Eigen::VectorXd sizes = SolveNormalEquations(equations);
+  return sizes.size() == 0 ? energy : energy - sizes.dot(together);
+}
+
+/// The parameter of the base model of which another value in the odd strokes explains them about as well as the effects of
+/// `found` do, or, if these explain nothing, down to the floor; "" if none does. The rest of the strokes has the model `rest`.
+std::string ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
+                               const ExtendedFit& rest, const ExplainOptions& explain,
+                               const OddStrokeOptions& options) {
+  const ModelStructure& model = odd.model();
+  const int base = model.base_count;
+  const Eigen::VectorXd theta = rest.theta.head(base);
+  const auto direction_of = [&](const EffectEstimate& effect) {
+    Eigen::VectorXd at(base + 1);
+    at << theta, effect.size;
+    return odd.Direction(effect.choice, at);
+  };
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(model.column_count());
+  error[model.output_column()] = 1;
+  error.head(base) -= theta;
+  for (const EffectEstimate& effect : rest.effects) error -= effect.size * direction_of(effect);
+  const Eigen::MatrixXd gram = odd.Total();
+
+  Eigen::MatrixXd effects(model.column_count(), 0);
+  for (const EffectEstimate& effect : found.final.effects)
+    if (std::ranges::none_of(rest.effects, [&](const auto& e) { return e.choice == effect.choice; })) {
+      effects.conservativeResize(Eigen::NoChange, effects.cols() + 1);
+      effects.rightCols(1) = direction_of(effect);
+    }
+  const double whole = error.dot(gram * error), by_effects = LeftOf(gram, error, effects);
+  const double enough = explains ? by_effects + std::max(options.beyond_parameter * rest.noise_variance,
+                                                         options.beyond_share * (whole - by_effects))
+                                 : explain.floor_excess * rest.noise_variance * odd.equations();
+
+  const std::vector<DerivedParameter> derived = model.derive(theta);
+  Eigen::MatrixXd gradients(static_cast<Eigen::Index>(derived.size()), base);
+  for (std::size_t p = 0; p < derived.size(); ++p)
+    gradients.row(static_cast<Eigen::Index>(p)) = derived[p].gradient.transpose();
+  // Parameters of different units: each row by itself.
+  const Eigen::VectorXd scale = gradients.rowwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd moves =
+      (scale.asDiagonal() * gradients).completeOrthogonalDecomposition().pseudoInverse();
+  std::string best;
+  double least = enough;
+  for (std::size_t p = 0; p < derived.size(); ++p) {
+    Eigen::VectorXd move = Eigen::VectorXd::Zero(model.column_count());
+    move.head(base) = moves.col(static_cast<Eigen::Index>(p));
+    const double left = LeftOf(gram, error, move);
+    if (left < least) best = derived[p].name, least = left;
+  }
+  return best;
+}
+
 /// What explains most of the odd strokes against the rest. One that a change began or ended in shows it in
 /// part only, so the first and the last of them may be left out.
 struct OddExplained {
@@ -97,7 +157,11 @@ std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vec
       places.push_back(
           static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), s) - used.begin()));
     Explanation found = ExplainAgainst(strokes.Only(used), places, rest, explain);
-    if (!found.partial && !found.set.empty()) return OddExplained{{left, found.set}, std::move(found)};
+    const bool explains = !found.partial && !found.set.empty();
+    std::string parameter =
+        ParameterInPlaceOf(found, explains, strokes.Only(left), rest.final, explain, options);
+    if (!parameter.empty()) return OddExplained{{left, {}, std::move(parameter)}, rest};
+    if (explains) return OddExplained{{left, found.set}, std::move(found)};
   }
   return std::nullopt;
 }

@@ -18,6 +18,9 @@ struct OddStrokeOptions {
   /// Share of the strokes that may be odd without a cause while nothing is missed in the rest, unless they fill this share
   /// of their stretch of the log: strokes scattered over a log rather are those in which an error of all shows most.
   double most_scattered = 0.1, together = 0.75;
+  /// What an effect must explain of the odd strokes beyond what another value of one parameter of the model does, which is the
+  /// plainer of the two: noise variances, and a share of what the effect explains.
+  double beyond_parameter = 25.0, beyond_share = 0.1;
 };
 
 /// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until

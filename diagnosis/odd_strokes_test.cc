@@ -39,6 +39,14 @@ TEST(OddStrokes, ALeakInSomeStrokesIsNamedInThese) {
   EXPECT_EQ(x.verdict, Verdict::kNamed);
 }
 
+TEST(OddStrokes, AnotherFlowGainInSomeIsNoEffectThatImitatesIt) {
+  const Explanation x = Explained(LogWith({{"Q_vn_step", 0.03, {{"until", 0.3}}, {}}}));
+  ASSERT_THAT(x.odd_strokes, SizeIs(1));
+  EXPECT_EQ(x.odd_strokes.front().parameter, "Q_vn");
+  EXPECT_THAT(x.odd_strokes.front().set, IsEmpty());
+  EXPECT_THAT(x.set, IsEmpty());
+}
+
 TEST(OddStrokes, UnderColouredNoiseTheirGainsCountAsThoseOfTheWholeLog) {
   const SimulatedStrokes log = LogWith(
       {{"intermittent_leakage", 12e-12, {{"share", 0.3}}, {}}, {"coloured_noise", 0.5, {{"phi", 0.9}}, {}}});

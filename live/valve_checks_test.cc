@@ -80,7 +80,8 @@ TEST(JudgeSweep, APositionThatIsPercentWhereTheMachineFileSaysShareIsNoMeasuredV
 }
 
 TEST(JudgeSweep, ADeadBandIsToldBesideTheFiguresThatItBends) {
-  EXPECT_THAT(JudgeSweep(Sweep(), ValveMachine(), SweepStatus::kDone, 0, 0.1).detail, Not(HasSubstr("harmonics")));
+  EXPECT_THAT(JudgeSweep(Sweep(), ValveMachine(), SweepStatus::kDone, 0, 0.1).detail,
+              Not(HasSubstr("harmonics")));
   SampleBlock rows = Sweep();
   const double band = 0.2 * *std::ranges::max_element(rows.signal[1]);
   for (double& y : rows.signal[1]) y = std::copysign(std::max(0.0, std::abs(y) - band), y);

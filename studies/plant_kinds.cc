@@ -40,6 +40,7 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
   if (s.kind == "exponential_viscosity") s.extra["rate"] = Between(random, 0.03, 0.08);
   if (s.kind == "leaky_stretch" || s.kind == "bad_stretch")
     s.extra = {{"begin", Between(random, 0.1, 0.7)}, {"length", Between(random, 0.08, 0.25)}};
+  if (s.kind == "Q_vn_step") s.extra["until"] = Between(random, 0.15, 0.85);
   if (s.kind == "stuck" || s.kind == "frozen") {
     s.extra["begin"] = Between(random, 5, 45);
     s.channel = Uniform(random) < 0.5 ? "y_v" : "p_A";
@@ -55,9 +56,9 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
 
 /// Signed sizes of kinds that go both ways.
 bool GoesBothWays(const std::string& kind) {
-  return kind.ends_with("_drift") || kind == "pressure_zero" || kind == "pressure_gain" ||
-         kind == "wrong_area" || kind == "spool_nonlinearity" || kind == "bad_stretch" ||
-         kind == "exponential_viscosity";
+  return kind.ends_with("_drift") || kind == "Q_vn_step" || kind == "pressure_zero" ||
+         kind.starts_with("pressure_gain") || kind == "wrong_area" || kind == "spool_nonlinearity" ||
+         kind == "bad_stretch" || kind == "exponential_viscosity";
 }
 
 ImperfectionSetting DrawImperfection(std::mt19937_64& random, const std::string& kind) {
@@ -107,7 +108,9 @@ const std::vector<PlantKind>& PlantKinds() {
       {"V0_drift", kLibrary, {"V0_drift"}},
       {"Q_vn_drift", kLibrary, {"Q_vn_drift"}},
       {"y_0_drift", kLibrary, {"y_0_drift"}},
+      {"Q_vn_step", kRelative, {"Q_vn_drift"}},
       {"pressure_gain", kLibrary, {"pressure_gain"}},
+      {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}},
       {"pressure_zero", kLibrary, {"pressure_offset"}},
       {"spool_nonlinearity", kLibrary, {"spool_nonlinearity"}},
       {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}},

@@ -26,8 +26,9 @@ std::string GroupText(const ExplainResult& explained, const std::vector<std::str
 std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
   std::vector<std::int64_t> numbers;
   for (const std::size_t s : odd.strokes) numbers.push_back(explained.log.strokes[s].summary.index);
-  return fmt::format("strokes {} differ from the rest and are left out of the parameters",
-                     fmt::join(numbers, ", "));
+  return fmt::format(
+      "strokes {} differ from the rest{} and are left out of the parameters", fmt::join(numbers, ", "),
+      odd.parameter.empty() ? "" : fmt::format(", as by another value of {} in them,", odd.parameter));
 }
 
 std::string Sentence(const ExplainResult& explained) {

@@ -15,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kMostRows = 40;     // of the table for people
+constexpr std::size_t kMostRows = 40;  // of the table for people
 
 std::string WithUnit(ValueWithStd v, double factor, const char* unit) {
   return WithInterval(v.value * factor, kNormal95 * v.std * factor) + " " + unit;

@@ -16,7 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kLineTolerance = 0.06;    // of a period: crossing against the line through the ones before
 constexpr double kPhasorTolerance = 0.02;  // of the amplitude: scatter of block phasors of a steady sine
-constexpr double kSettledPhase = 1e-7;     // rad over a stretch, by which a better frequency no longer matters
+constexpr double kSettledPhase = 1e-7;  // rad over a stretch, by which a better frequency no longer matters
 constexpr int kFewestPeriods = 3;
 constexpr std::size_t kGuardSamples = 2;  // a change that starts within the tolerance shows a little late
 

@@ -220,6 +220,9 @@ TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
   EXPECT_DOUBLE_EQ(MomentsOf({"K_drift", -0.1, {}, ""}, 60).At(30, 313, 0).K_factor, 0.95);
   EXPECT_DOUBLE_EQ(MomentsOf({"V0_drift", 0.1, {}, ""}, 60).At(60, 313, 0).V0_factor, 1.1);
   EXPECT_DOUBLE_EQ(MomentsOf({"Q_vn_drift", 0.02, {}, ""}, 60).At(15, 313, 0).gain, 1.005);
+  const PlantMoments step = MomentsOf({"Q_vn_step", 0.02, {{"until", 0.5}}, ""}, 60);
+  EXPECT_DOUBLE_EQ(step.At(29, 313, 0).gain, 1.02);
+  EXPECT_DOUBLE_EQ(step.At(31, 313, 0).gain, 1);
   EXPECT_DOUBLE_EQ(MomentsOf({"y_0_drift", 0.002, {}, ""}, 60).At(30, 313, 0).y_0_shift, 0.001);
 }
 
@@ -312,11 +315,13 @@ TEST(Imperfections, ThePressureReadsWithGainZeroDriftAndHum) {
     return SimulatePress(options).p_A;
   };
   const std::vector<double> gain = read("pressure_gain", 0.02), zero = read("pressure_zero", 4e5),
+                            warm = read("pressure_gain_temperature", 0.001),
                             drift = read("pressure_offset_drift", 4e5),
                             bad = read("bad_stretch", 10e5, {{"begin", 0.5}, {"length", 0.25}}),
                             hum = read("sensor_hum", 1e5, {{"frequency", 12.5}, {"phase", 0}});
   for (std::size_t k = 0; k < clean.rows(); ++k) {
     ASSERT_NEAR(gain[k], 1.02 * clean.p_A[k], 1e-3);
+    ASSERT_NEAR(warm[k], (1 + 0.001 * (clean.T_oil[k] - 313.15)) * clean.p_A[k], 1e-3);
     ASSERT_NEAR(zero[k], clean.p_A[k] + 4e5, 1e-3);
     ASSERT_NEAR(drift[k], clean.p_A[k] + 4e5 * clean.t[k] / 12, 1e-3);
     ASSERT_NEAR(bad[k], clean.p_A[k] + (k >= 3000 && k < 4500 ? 10e5 : 0), 1e-3);

@@ -106,6 +106,9 @@ PlantMoments::Moment PlantMoments::At(double t, double temperature, std::int64_t
       case kFlowGainDrift:
         moment.gain *= 1 + one.size * part;
         break;
+      case kFlowGainStep:
+        if (part < one.extras[0]) moment.gain *= 1 + one.size;
+        break;
       case kExponentialViscosity:
         moment.gain *= 1 + one.size * (1 - std::exp(-one.extras[0] * (temperature - one.extras[1])));
         break;

@@ -11,6 +11,7 @@ namespace {
 
 using enum ImperfectionKind;
 
+constexpr double kWarmOil = 313.15;    // K, 40 degC, at which a sensor that follows the oil is right
 constexpr double kColourTime = 0.002;  // s, after which coloured noise is correlated by phi
 constexpr int kChannels = static_cast<int>(kPressChannels.size());
 
@@ -49,6 +50,9 @@ void SensorImperfections::Distort(PressRow& row) {
     switch (one.kind) {
       case kPressureGain:
         row.p_A *= 1 + one.size;
+        break;
+      case kPressureGainTemperature:
+        row.p_A *= 1 + one.size * (row.T_oil - kWarmOil);
         break;
       case kPressureZero:
         row.p_A += one.size;

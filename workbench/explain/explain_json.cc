@@ -163,7 +163,7 @@ nlohmann::json OddStrokesJson(const ExplainResult& result) {
       strokes.push_back(result.log.strokes[s].summary.index);
       begin.push_back(result.log.strokes[s].summary.begin);
     }
-    out.push_back({{"strokes", strokes}, {"begin_s", begin}, {"set", odd.set}});
+    out.push_back({{"strokes", strokes}, {"begin_s", begin}, {"set", odd.set}, {"parameter", odd.parameter}});
   }
   return out;
 }

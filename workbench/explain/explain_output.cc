@@ -140,7 +140,12 @@ std::string OddText(const ExplainResult& result) {
   std::string text;
   for (const OddStrokes& odd : result.explanation.odd_strokes)
     text +=
-        odd.set.empty()
+        !odd.parameter.empty()
+            ? fmt::format(
+                  "  NOT ALL STROKES: {} differ from the rest, and another value of {} in them explains that as well as any "
+                  "effect does: the machine or a setting changed there. They were left out.\n",
+                  StrokesText(result, odd), odd.parameter)
+        : odd.set.empty()
             ? fmt::format(
                   "  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
                   "were left out; look at what happened there.\n",

@@ -40,6 +40,7 @@
   _(LeakageTemperature)              \
   _(SpoolNonlinearity)               \
   _(PressureGain)                    \
+  _(PressureGainTemperature)         \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
   _(SpoolSignalLag)                  \

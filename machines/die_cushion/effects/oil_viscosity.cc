@@ -25,15 +25,17 @@ Effect OilViscosity(const CushionGeometry&) {
   e.typical = 0.002;
   e.family = {"the flow through the valve goes with the oil temperature",
               "der Durchfluss des Ventils geht mit der Öltemperatur"};
-  e.confused_with = {"Q_vn_drift"};
+  e.confused_with = {"Q_vn_drift", "pressure_gain_temperature"};
   e.hidden_in = "Q_vn";
   e.plain =
-      "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
-      "of order, the wrong oil grade.";
+      "With c above 0 the valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out of "
+      "order, the wrong oil grade. No oil makes it less: with c below 0 look for a pressure or spool sensor that reads otherwise "
+      "when it is warm.";
   e.german = {
       "Durchflussverstärkung folgt der Öltemperatur",
-      "Das Ventil lässt mehr durch, wenn das Öl warm ist; bis zu einem Grad ist das normal. Zu suchen: "
-      "Kühler oder Heizung außer Betrieb, falsche Ölsorte.",
+      "Mit c über 0 lässt das Ventil bei warmem Öl mehr durch; bis zu einem Grad ist das normal. Zu suchen: Kühler oder Heizung "
+      "außer Betrieb, falsche Ölsorte. Kein Öl macht es weniger: bei c unter 0 einen Druck- oder Schiebersensor suchen, der warm "
+      "anders zeigt.",
       "Hübe mit kaltem und mit warmem Öl, dann dasselbe in umgekehrter Folge: was der Temperatur folgt, "
       "kommt zurück, was driftet, nicht"};
   e.told_apart_by =

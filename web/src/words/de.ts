@@ -192,6 +192,7 @@ export const de: Words = {
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Episoden> {before}; damit {after}; Sensorrauschen allein {noise}.",
   verdictError: "Fehler auf ausgelassenen <Hüben|Episoden> {before}; Sensorrauschen allein {noise}.",
   inspect: "Wonach zu sehen ist",
+  oddParameter: "Die <Hübe|Episoden> {strokes} weichen ab; ein anderer Wert von {parameter} in ihnen erklärt das so gut wie jeder Effekt: dort hat sich die Maschine oder eine Einstellung geändert. Sie wurden ausgelassen.",
   oddStrokes: "Die <Hübe|Episoden> {strokes} weichen von den übrigen ab und wurden ausgelassen.",
   odd: "Abweichende <Hübe|Episoden>",
   drift: "Während dieses Logs: {text}",

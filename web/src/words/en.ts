@@ -191,6 +191,7 @@ export const en = {
   verdictErrors: "Error on <strokes|episodes> left out {before}; with it {after}; sensor noise alone {noise}.",
   verdictError: "Error on <strokes|episodes> left out {before}; sensor noise alone {noise}.",
   inspect: "What to look for",
+  oddParameter: "<Strokes|Episodes> {strokes} differ, and another value of {parameter} in them explains that as well as any effect does: the machine or a setting changed there. They were left out.",
   oddStrokes: "<Strokes|Episodes> {strokes} differ from the rest and were left out.",
   odd: "<Strokes|Episodes> that differ",
   drift: "During this log: {text}",
