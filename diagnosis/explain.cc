@@ -308,6 +308,14 @@ void Explainer::Judge(Explanation& out) const {
     out.groups.clear();
     return;
   }
+  if (out.margin < -options_.beaten_margin) {
+    out.verdict = Verdict::kUnknown;
+    out.partial = true;
+    out.groups.clear();
+    out.doubt = Tell("a law without a name explains the error better ({})",
+                     "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law);
+    return;
+  }
   out.doubt = Doubts(strokes_, options_, start_, ranking_).Of(out, AtFloor(out.final));
   out.partial = !out.doubt.empty();
   for (const auto& group : out.groups) out.set.push_back(group.front());

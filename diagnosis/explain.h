@@ -44,6 +44,7 @@ struct ExplainOptions {
   double remainder_share = 0.003;  ///< of the gain so far, allowed on top of the former
   double doubt_share = 0.0005;     ///< ... and of the latter
   double doubt_margin = 20.0;      ///< a law without a name within this of the best flags it as partial too
+  double beaten_margin = 15.0;     ///< ... and one better than the best by this leaves no name
   double interplay =
       4.0;  ///< two effects act on one another, which their sum leaves out: so much more may be left
   double second_t =

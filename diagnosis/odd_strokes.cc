@@ -112,9 +112,10 @@ std::string ParameterInPlaceOf(const Explanation& found, bool explains, const St
       effects.rightCols(1) = direction_of(effect);
     }
   const double whole = error.dot(gram * error), by_effects = LeftOf(gram, error, effects);
-  const double enough = explains ? by_effects + std::max(options.beyond_parameter * rest.noise_variance,
-                                                         options.beyond_share * (whole - by_effects))
-                                 : explain.floor_excess * rest.noise_variance * odd.equations();
+  const double floor = explain.floor_excess * rest.noise_variance * odd.equations();
+  const double alike = by_effects + std::max(options.beyond_parameter * rest.noise_variance,
+                                             options.beyond_share * (whole - by_effects));
+  const double enough = explains ? std::min(floor, alike) : floor;
 
   const std::vector<DerivedParameter> derived = model.derive(theta);
   Eigen::MatrixXd gradients(static_cast<Eigen::Index>(derived.size()), base);

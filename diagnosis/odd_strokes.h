@@ -20,7 +20,7 @@ struct OddStrokeOptions {
   double most_scattered = 0.1, together = 0.75;
   /// What an effect must explain of the odd strokes beyond what another value of one parameter of the model does, which is the
   /// plainer of the two: noise variances, and a share of what the effect explains.
-  double beyond_parameter = 25.0, beyond_share = 0.1;
+  double beyond_parameter = 10.0, beyond_share = 0.02;
 };
 
 /// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until

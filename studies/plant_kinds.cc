@@ -102,6 +102,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"laminar_edge", kLibrary, {"laminar_edge"}},
       {"pressure_dependent_bulk_modulus", kLibrary, {"pressure_dependent_bulk_modulus"}},
       {"leakage_temperature", kLibrary, {"leakage_temperature", "internal_leakage"}},
+      {"supply_leakage", kLibrary, {"supply_leakage"}},
       {"periodic_disturbance", kLibrary, {"periodic_disturbance"}},
       {"sensor_hum", kLibrary, {"periodic_disturbance"}},
       {"K_drift", kLibrary, {"K_drift"}},

@@ -19,6 +19,7 @@ enum class ImperfectionKind {
   kLaminarEdge,
   kBulkModulusSlope,
   kLeakageTemperature,
+  kSupplyLeakage,
   kFlowRipple,
   kBulkModulusDrift,
   kVolumeDrift,

@@ -200,11 +200,13 @@ TEST(Imperfections, AWrongAreaDisplacesMoreOilAndHoldsMore) {
 
 TEST(Imperfections, LeaksFollowTheirLaws) {
   const PlantLaws relief = LawsOf({"quadratic_relief", 1e-17, {{"crack", 170e5}}, ""});
-  EXPECT_EQ(relief.Leakage(169 * kBar, 0, 0), 0);
-  EXPECT_NEAR(relief.Leakage(190 * kBar, 0, 0), 1e-17 * 4e12, 1e-12);
+  EXPECT_EQ(relief.Leakage(169 * kBar, 0, 0, 0), 0);
+  EXPECT_NEAR(relief.Leakage(190 * kBar, 0, 0, 0), 1e-17 * 4e12, 1e-12);
   const PlantLaws zone = LawsOf({"rectangular_zone", 1.5e-11, {{"centre", 0.11}, {"width", 0.02}}, ""});
-  EXPECT_EQ(zone.Leakage(100 * kBar, 60 * kBar, 0.131), 0);
-  EXPECT_DOUBLE_EQ(zone.Leakage(100 * kBar, 60 * kBar, 0.129), 1.5e-11 * 40 * kBar);
+  EXPECT_EQ(zone.Leakage(100 * kBar, 60 * kBar, 0, 0.131), 0);
+  EXPECT_DOUBLE_EQ(zone.Leakage(100 * kBar, 60 * kBar, 0, 0.129), 1.5e-11 * 40 * kBar);
+  const PlantLaws supply = LawsOf({"supply_leakage", 1e-8, {}, ""});
+  EXPECT_NEAR(supply.Leakage(100 * kBar, 0, 200 * kBar, 0), -1e-8 * std::sqrt(100 * kBar), 1e-9);
   const double volume = 1.65e-3 + 0.0125 * 0.1;
   EXPECT_NEAR(RiseRate({}, 100 * kBar) - RiseRate({}, 100 * kBar, 8e-12), 8e-12 * 40 * kBar * 1.21e9 / volume,
               1e3);

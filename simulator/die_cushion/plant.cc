@@ -50,7 +50,7 @@ double PressPlant::Slope(double p_A, double conductance, const RamMotion::Point&
   const double valve = effects_.inertance != 0 ? line_flow_ : ValveFlow(conductance, p_A, drive.p_0);
   const double volume = Volume(ram, drive), modulus = Modulus(p_A, drive);
   double inflow = -machine_.A_A * ram.v - valve - drive.leakage * (p_A - drive.p_B) - drive.extra_flow;
-  if (laws_.leaks()) inflow -= laws_.Leakage(p_A, drive.p_B, ram.z);
+  if (laws_.leaks()) inflow -= laws_.Leakage(p_A, drive.p_B, drive.p_0, ram.z);
   if (plain_) return inflow * modulus / volume;
   return (inflow - LeakageFlow(effects_, p_A, drive.p_B, ram.z)) /
          ChamberCapacity(effects_, modulus, volume, p_A);

@@ -40,15 +40,16 @@ PlantLaws PlantLawsOf(const std::vector<Imperfection>& list) {
   laws.zone_leakage = SizeOf(list, kRectangularZone);
   laws.zone_centre = ExtraOf(list, kRectangularZone, 0);
   laws.zone_width = ExtraOf(list, kRectangularZone, 1);
+  laws.supply_leakage = SizeOf(list, kSupplyLeakage);
   laws.second_gain = SizeOf(list, kTwoGainSpool);
   laws.knee = ExtraOf(list, kTwoGainSpool, 0);
   laws.area_error = SizeOf(list, kWrongArea);
   return laws;
 }
 
-double PlantLaws::Leakage(double p_A, double p_B, double z) const {
+double PlantLaws::Leakage(double p_A, double p_B, double p_0, double z) const {
   const double above = std::max(0.0, p_A - relief_crack);
-  double flow = relief_square * above * above;
+  double flow = relief_square * above * above - supply_leakage * SignedRoot(p_0 - p_A);
   if (std::abs(z - zone_centre) < zone_width) flow += zone_leakage * (p_A - p_B);
   return flow;
 }

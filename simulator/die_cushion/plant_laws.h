@@ -16,11 +16,12 @@ struct PlantLaws {
   double modulus_slope = 0;  ///< 1, dK/dp
   double relief_square = 0, relief_crack = 0;                ///< m^3/(s Pa^2), Pa
   double zone_leakage = 0, zone_centre = 0, zone_width = 0;  ///< m^3/(s Pa), m, m
+  double supply_leakage = 0;         ///< m^3/(s sqrt(Pa)), from the supply into chamber A
   double second_gain = 0, knee = 0;  ///< 1, gain beyond the knee less 1; opening of the knee
   double area_error = 0;             ///< 1, true over known piston area, less 1
 
-  /// Leakage that only the position or the pressure decides, m^3/s.
-  double Leakage(double p_A, double p_B, double z) const;
+  /// Leakage out of chamber A that only the position and the pressures decide, m^3/s.
+  double Leakage(double p_A, double p_B, double p_0, double z) const;
   /// The opening that meters, of a spool with two gains.
   double Opening(double opening) const;
   /// Flow at the pressure difference `dp` over an edge (to the tank: with the line behind it), m^3/s, for a
@@ -30,7 +31,7 @@ struct PlantLaws {
   /// The pressure difference that this flow takes; the inverse of EdgeFlow, Pa with the sign of the flow.
   double EdgeDrop(double conductance, double flow) const;
   bool acts_on_edges() const { return return_line != 0 || laminar_edge != 0 || check_valve != 0; }
-  bool leaks() const { return relief_square != 0 || zone_leakage != 0; }
+  bool leaks() const { return relief_square != 0 || zone_leakage != 0 || supply_leakage != 0; }
 };
 
 /// What moves within a log.

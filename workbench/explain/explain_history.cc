@@ -56,6 +56,7 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
   options.max_remainder *= times;
   options.doubt_remainder *= times;
   options.doubt_margin *= times;
+  options.beaten_margin *= times;
   options.rival_gain *= times;
   options.sure_gain *= times;
   return options;

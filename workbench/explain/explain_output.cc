@@ -112,8 +112,9 @@ std::string UnknownText(const ExplainResult& result) {
   text += RelativesText(result);
   std::vector<std::string> tried;
   for (std::size_t k = 1; k < x.steps.size(); ++k) tried.push_back(x.steps[k].added);
-  return text + fmt::format("  {} lowers the error but leaves more than noise, so the name is not proven.\n",
-                            fmt::join(tried, " with "));
+  return text + fmt::format("  {} lowers the error, but {}, so the name is not proven.\n",
+                            fmt::join(tried, " with "),
+                            x.doubt.empty() ? "more than noise is left" : x.doubt.english);
 }
 
 /// Why a set is not proven, if so.

@@ -33,6 +33,8 @@ std::vector<PlantCase> PlantCases() {
           {"laminar_edge", 20e5, 4e12},
           {"pressure_dependent_bulk_modulus", 11, 11},
           {"leakage_temperature", 4e-12, 4e-12},
+          {"supply_leakage", 1e-8, 1e-8},
+          {"pressure_gain_temperature", 3e-4, 3e-4},
           {"periodic_disturbance", 2e-5, 2e-5},
           {"K_drift", -0.20, RateOfReciprocal(-0.20)},
           {"V0_drift", 0.30, 0.30 / kSeconds},
@@ -48,7 +50,7 @@ PressOptions OptionsFor(const PlantCase& plant) {
   PressOptions options;
   options.seconds = kSeconds;
   options.seed = plant.seed;
-  if (plant.id == "leakage_temperature") {
+  if (plant.id == "leakage_temperature" || plant.id == "pressure_gain_temperature") {
     options.oil_start = 300.15;
     options.oil_end = 325.15;
   }

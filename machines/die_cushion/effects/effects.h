@@ -38,6 +38,7 @@
   _(LaminarEdge)                     \
   _(PressureDependentBulkModulus)    \
   _(LeakageTemperature)              \
+  _(SupplyLeakage)                   \
   _(SpoolNonlinearity)               \
   _(PressureGain)                    \
   _(PressureGainTemperature)         \

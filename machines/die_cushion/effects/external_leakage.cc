@@ -16,7 +16,7 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.max = 1e-9;
   e.typical = 2e-12;
   e.family = {"oil is lost", "Öl geht verloren"};
-  e.confused_with = {"internal_leakage", "orifice_leakage"};
+  e.confused_with = {"internal_leakage", "orifice_leakage", "supply_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check "
