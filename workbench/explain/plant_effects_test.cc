@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/drift_text.h"
@@ -146,6 +147,23 @@ TEST(PlantEffects, ADriftIsDoubtedWhereTheOilWarmsEvenly) {
   EXPECT_TRUE(x.partial);
   EXPECT_THAT(x.doubt.english, HasSubstr("oil temperature moved evenly with time"));
   EXPECT_THAT(x.doubt.german, HasSubstr("die Öltemperatur lief gleichmäßig mit der Zeit"));
+}
+
+/// Air is a relative of oil that stiffens, which the library does not hold here; a law without a name comes nearer.
+TEST(PlantEffects, ALawWithoutANameThatExplainsTheErrorBetterLeavesNoName) {
+  for (const std::uint64_t seed : {41u, 42u}) {
+    const auto explained = [&](const ExplainOptions& explain) {
+      return Explained("pressure_dependent_bulk_modulus", 11, 313.15, 313.15, seed, explain).explanation;
+    };
+    ExplainOptions without;
+    without.exclude = {"pressure_dependent_bulk_modulus"};
+    const Explanation x = explained(without);
+    EXPECT_THAT(x.set, testing::IsEmpty()) << seed;
+    EXPECT_EQ(x.verdict, Verdict::kUnknown) << seed;
+    EXPECT_THAT(x.doubt.english, HasSubstr("a law without a name explains the error better (generic: "));
+    without.beaten_margin = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(explained(without).set.empty()) << seed;
+  }
 }
 
 /// The strokes in which the leak began and ended show it in part only.
