@@ -14,6 +14,9 @@
 namespace hydroscope {
 namespace {
 
+/// Fewer than a verdict needs: where that many are left, the time stamps may be the cause.
+constexpr std::size_t kFewStrokes = 4;
+
 void Add(const StrokeCounters& more, StrokeCounters& sum) {
   sum.samples += more.samples;
   sum.gated += more.gated;
@@ -137,7 +140,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
-      out.strokes.empty() && !coarse.empty())
+      out.strokes.size() < kFewStrokes && !coarse.empty())
     return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   return out;

@@ -9,7 +9,7 @@ namespace hydroscope {
 namespace {
 
 /// Rows that repeat a time stamp, beyond which they are no exception.
-constexpr double kCoarseShare = 0.3;
+constexpr double kCoarseShare = 0.1;
 
 }  // namespace
 
@@ -19,10 +19,12 @@ Told CoarseTimeStamps(const LogCounters& read, std::size_t signals) {
   const double share = static_cast<double>(read.flagged[kBit]) / std::max(1.0, values);
   if (share < kCoarseShare) return {};
   return Tell(
-      "{:.0f} % of the rows repeat the time stamp of the row before: the stamps are coarser than the rows. Record times "
-      "with more digits, or give the log a column of its own with the true times",
-      "{:.0f} % der Zeilen wiederholen den Zeitstempel der Zeile davor: die Stempel sind gröber als die Zeilen. Zeiten mit "
-      "mehr Stellen aufzeichnen, oder der Aufzeichnung eine Spalte mit den wahren Zeiten geben",
+      "{:.0f} % of the rows repeat the time stamp of the row before: the stamps are coarser than the rows, or tell when a row was "
+      "stored and not when it was sampled. Record the controller's own times, with more digits, or give the log a column of its "
+      "own with the true times",
+      "{:.0f} % der Zeilen wiederholen den Zeitstempel der Zeile davor: die Stempel sind gröber als die Zeilen, oder sie sagen, wann "
+      "eine Zeile gespeichert und nicht wann sie abgetastet wurde. Die Zeiten der Steuerung aufzeichnen, mit mehr Stellen, oder "
+      "der Aufzeichnung eine Spalte mit den wahren Zeiten geben",
       100 * share);
 }
 

@@ -34,7 +34,7 @@ TEST(CoarseTimeStamps, AreToldFromAFewRowsThatAreThereTwice) {
   read.flagged[8] = 3 * 900;
   static_assert(quality::kDuplicate == 1 << 8);
   EXPECT_THAT(CoarseTimeStamps(read, 3).english, HasSubstr("90 % of the rows repeat the time stamp"));
-  read.flagged[8] = 3 * 100;
+  read.flagged[8] = 3 * 50;
   EXPECT_TRUE(CoarseTimeStamps(read, 3).empty());
 }
 
