@@ -38,7 +38,9 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
       return "△ The model lacks something; these episodes cannot tell which of several effects";
     case Verdict::kUnknown:
       return x.astray ? "? The free run hardly follows what was measured: what it leaves tells of no effect"
-                      : "? The model lacks something that no effect it may be given explains";
+             : x.base_left.doubtful && x.final.added.empty()
+                 ? "? The model may lack something, and no effect it may be given explains it"
+                 : "? The model lacks something that no effect it may be given explains";
   }
   return "";
 }

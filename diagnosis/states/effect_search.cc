@@ -411,6 +411,13 @@ class EffectSearch {
     return out_.unexplained <= LeftShare(out_.final);
   }
 
+  /// A law that the log shows too seldom may be in what the final set leaves, which a warning says.
+  bool MayLackLaw(const StateRemainder& left) {
+    if (!left.doubtful || !Coloured(out_.final)) return false;
+    out_.warnings.push_back(MayBeMissing(left));
+    return true;
+  }
+
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
     TakeSteps();
@@ -420,11 +427,16 @@ class EffectSearch {
       return;
     }
     if (out_.final.added.empty()) {
-      out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
+      out_.verdict =
+          MayLackLaw(out_.base_left) || out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
     const std::vector<std::string> found = out_.final.added;
     if (!Complete() && !CompleteWithFewer()) {
+      LeaveUnknown(found);
+      return;
+    }
+    if (MayLackLaw(out_.final_left)) {
       LeaveUnknown(found);
       return;
     }

@@ -215,7 +215,8 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   out.p_value = (1.0 + static_cast<double>(beyond)) / (1.0 + static_cast<double>(null.size()));
   out.null_share = null[null.size() * 19 / 20];
   out.structured = out.p_value <= options.max_p && out.least_share >= options.min_share;
-  if (out.structured) out.about = MostIn(fit, columns);
+  out.doubtful = !out.structured && out.p_value <= options.doubt_p && out.least_share >= options.doubt_share;
+  if (out.structured || out.doubtful) out.about = MostIn(fit, columns);
   return out;
 }
 

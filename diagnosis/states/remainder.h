@@ -13,6 +13,8 @@ struct StateRemainderOptions {
   double max_p = 0.02;  ///< beyond: what is left is noise for all that can be seen
   double min_share =
       0.03;  ///< of the error's energy: less is not worth a law (as in diagnosis/remainder/predictability.h)
+  /// Beyond max_p, up to which p-value a share of this may still be a law that the log shows too seldom.
+  double doubt_p = 0.2, doubt_share = 0.1;
   int fourier = 12;  ///< random cosines of all states and inputs together
   std::uint32_t seed = 7;
 };
@@ -28,6 +30,7 @@ struct StateRemainder {
   double null_share = 0;  ///< that chance reaches in one of twenty
   double p_value = 1;
   bool structured = false;  ///< a law is missing
+  bool doubtful = false;    ///< not structured, yet a law may be missing
   int functions = 0;
   std::string about;  ///< the equation in which they predict most: state or output
 };

@@ -16,6 +16,16 @@ Told MoreIsMissing(const StateRemainder& left, double unexplained) {
       100 * left.least_share, left.about, 100 * unexplained);
 }
 
+Told MayBeMissing(const StateRemainder& left) {
+  return Tell(
+      "what is left is no white noise, and functions of {} predict {:.0f} % of it, as chance does in {:.0f} of a hundred logs: "
+      "a law may be missing that this log shows too seldom, or noise acts on the process itself. Record for longer",
+      "was bleibt, ist kein weißes Rauschen, und Funktionen von {} sagen {:.0f} % davon voraus, wie der Zufall in {:.0f} von "
+      "hundert Aufzeichnungen: es kann ein Gesetz fehlen, das diese Aufzeichnung zu selten zeigt, oder Rauschen wirkt auf den "
+      "Prozess selbst. Länger aufzeichnen",
+      left.about, 100 * left.least_share, 100 * left.p_value);
+}
+
 Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
   return Tell(
       "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} that is "

@@ -13,6 +13,8 @@ namespace hydroscope {
 Told CannotBeTried(const std::string& effect, const Told& why);
 /// The explanation found is not all; `unexplained`: of what functions could predict before, the share they still can.
 Told MoreIsMissing(const StateRemainder& left, double unexplained);
+/// A law may be missing that the log shows too seldom.
+Told MayBeMissing(const StateRemainder& left);
 /// A weak effect that a function without a name could stand in for.
 Told NotToldFrom(const std::string& effect, const LikeFunction& like);
 

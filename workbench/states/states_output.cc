@@ -193,7 +193,9 @@ std::string VerdictText(const StatesExplained& e) {
       break;
   }
   text += x.astray ? "The free run hardly follows what was measured: what it leaves tells of no effect.\n"
-                   : "An error is there, and no effect of the machine file explains it.\n";
+          : x.base_left.doubtful && x.final.added.empty()
+              ? "Something may be missing, and no effect of the machine file explains it.\n"
+              : "An error is there, and no effect of the machine file explains it.\n";
   if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
   if (x.astray) return text;
   return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n",

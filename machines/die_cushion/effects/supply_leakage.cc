@@ -19,6 +19,8 @@ Effect SupplyLeakage(const CushionGeometry&) {
   e.max = 1e-5;
   e.typical = 1e-8;
   e.family = {"oil comes in", "Öl strömt zu"};
+  // As long as it is small, what comes in from a supply that stands still is a leak out that grows with the pressure less of it.
+  e.twins = {{"internal_leakage"}, {"external_leakage"}};
   e.hidden_in = "y_0";
   e.plain =
       "Oil comes from the supply into chamber A past a closed edge of the valve; look for: a worn or scored supply edge, dirt "
