@@ -30,7 +30,9 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
   for (const std::string& id : x.set) names.push_back(NamedEffect(effects, id));
   switch (x.verdict) {
     case Verdict::kAdequate:
-      return "✓ The model describes these episodes: nothing is missing in it";
+      return x.runs.empty()
+                 ? "✓ The model describes these episodes: nothing is missing in it"
+                 : "✓ The model describes short runs of these episodes; what adds up over a whole one is open";
     case Verdict::kNamed:
       return EscapeText(
           fmt::format("◆ The machine shows what the model lacks: {}", fmt::join(names, " and ")));

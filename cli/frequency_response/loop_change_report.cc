@@ -75,6 +75,8 @@ std::string VerdictText(const LoopComparison& comparison) {
         text += fmt::format(
             "Nothing else changed: what is left is within the errors (chi^2 {:.1f} at {} degrees of freedom).\n",
             set.chi_squared, set.degrees_of_freedom);
+      for (const LoopChangeSet& imitator : comparison.imitators)
+        text += fmt::format("At once, these would look the same: {}.\n", SetText(imitator));
       if (comparison.verdict == LoopComparison::Verdict::kAmbiguous) {
         text = "ambiguous: these records do not tell apart\n  " + SetText(set) + "\n";
         for (const LoopChangeSet& other : comparison.others) text += "  " + SetText(other) + "\n";
@@ -130,6 +132,7 @@ nlohmann::json LoopChangeJson(const LoopComparison& comparison, const LoopLog& a
                          {"changes", SetJson(comparison.set)["parameters"]},
                          {"ranking", nlohmann::json::array()},
                          {"others", nlohmann::json::array()},
+                         {"imitators", nlohmann::json::array()},
                          {"parameters", nlohmann::json::object()},
                          {"input_limit", nullptr},
                          {"warnings", after.response.warnings}};
@@ -141,6 +144,7 @@ nlohmann::json LoopChangeJson(const LoopComparison& comparison, const LoopLog& a
     json["ranking"].push_back(std::move(one));
   }
   for (const LoopChangeSet& other : comparison.others) json["others"].push_back(SetJson(other));
+  for (const LoopChangeSet& imitator : comparison.imitators) json["imitators"].push_back(SetJson(imitator));
   for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
     const auto at = static_cast<std::ptrdiff_t>(i);
     const bool delay = comparison.plant->parameters[i].kind == LoopParameter::Kind::kDelay;

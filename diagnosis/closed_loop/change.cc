@@ -115,7 +115,15 @@ std::vector<LoopChangeSet> SetsOf(const ClosedLoopPlant& plant, const Movement& 
   return sets;
 }
 
-/// The smallest set that suffices, and those that do as well.
+/// Whether no change of one is in the other.
+bool Apart(const LoopChangeSet& a, const LoopChangeSet& b) {
+  return std::none_of(a.changes.begin(), a.changes.end(), [&](const SizedChange& mine) {
+    return std::any_of(b.changes.begin(), b.changes.end(),
+                       [&](const SizedChange& theirs) { return theirs.change == mine.change; });
+  });
+}
+
+/// The smallest set that suffices, those that do as well, and those of one change more whose parts make up the same movement.
 void FindSet(const Movement& movement, const LoopComparisonOptions& options, LoopComparison& comparison) {
   if (comparison.nothing.p_value >= options.least_p) {
     comparison.verdict = LoopComparison::Verdict::kAdequate;
@@ -132,6 +140,9 @@ void FindSet(const Movement& movement, const LoopComparisonOptions& options, Loo
       if (sets[k].p_value >= options.least_p &&
           sets[k].chi_squared < sets.front().chi_squared + options.as_good)
         comparison.others.push_back(sets[k]);
+    for (LoopChangeSet& larger : SetsOf(*comparison.plant, movement, size + 1, options.least_p))
+      if (Apart(larger, comparison.set) && larger.chi_squared < comparison.set.chi_squared + options.as_good)
+        comparison.imitators.push_back(std::move(larger));
     comparison.verdict =
         comparison.others.empty() ? LoopComparison::Verdict::kNamed : LoopComparison::Verdict::kAmbiguous;
     return;

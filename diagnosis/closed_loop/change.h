@@ -39,10 +39,11 @@ struct LoopComparison {
   };
   const ClosedLoopPlant* plant = nullptr;
   Verdict verdict = Verdict::kAdequate;
-  LoopChangeSet set;                   ///< best of those that suffice; unknown: the nearest
-  std::vector<LoopChangeSet> others;   ///< as good, as large
-  LoopChangeSet nothing;               ///< no change at all
-  std::vector<LoopChangeSet> singles;  ///< every change alone, best first
+  LoopChangeSet set;                     ///< best of those that suffice; unknown: the nearest
+  std::vector<LoopChangeSet> others;     ///< as good, as large
+  std::vector<LoopChangeSet> imitators;  ///< of other changes, as good, with one change more
+  LoopChangeSet nothing;                 ///< no change at all
+  std::vector<LoopChangeSet> singles;    ///< every change alone, best first
   bool limit_appeared = false, limit_went = false;
   LoopState before, after;
 };

@@ -57,6 +57,17 @@ TEST(LoopChange, AirAndASpecimenAreTheirOwnPatternsOverTheFigures) {
               testing::ElementsAre("specimen_stiffness"));
 }
 
+TEST(LoopChange, TwoChangesThatTogetherLookLikeOneAreToldBesideIt) {
+  LoopState after = Cylinder();  // mass and friction a quarter up
+  after.parameters[0] /= std::sqrt(1.25);
+  after.parameters[1] *= std::sqrt(1.25);
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
+  EXPECT_THAT(Ids(c.set), testing::ElementsAre("trapped_air"));
+  ASSERT_EQ(c.imitators.size(), 1u);
+  EXPECT_THAT(Ids(c.imitators.front()), testing::UnorderedElementsAre("friction", "moving_mass"));
+  for (const SizedChange& part : c.imitators.front().changes) EXPECT_NEAR(part.size, std::log(1.25), 0.01);
+}
+
 TEST(LoopChange, PolesThatAirMadeRealAreSharedOutSoThatTheFewestChangesDo) {
   LoopState air = Cylinder();
   air.parameters[0] *= std::sqrt(0.8);

@@ -100,9 +100,10 @@ class NoisyRuns {
 };
 
 constexpr Wording kCoveredText = {
-    "noise acts on the process itself (or a disturbance that is not measured) and adds up over an episode",
-    "Rauschen wirkt auf den Prozess selbst (oder eine Störung, die nicht gemessen wird) und summiert sich über eine "
-    "Episode"};
+    "what short runs do not show adds up over an episode: noise acts on the process itself, a disturbance is not measured, a "
+    "sensor lags, or a slow law is missing",
+    "was kurze Läufe nicht zeigen, summiert sich über eine Episode: Rauschen wirkt auf den Prozess selbst, eine Störung wird nicht "
+    "gemessen, ein Sensor hinkt nach, oder ein langsames Gesetz fehlt"};
 constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
                                  "ein freier Lauf über ganze Episoden verliert sich"};
 

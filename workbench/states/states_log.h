@@ -87,6 +87,11 @@ struct StatesExplained {
   std::vector<Estimate> base_parameters, final_parameters;
   std::vector<OutputErrors> located;  ///< of the model as it is
   std::optional<ShownLaw> missing;    ///< verdict unknown: what is missing in the model with what was found
+
+  /// Nothing is named, and yet errors last over many rows (StatesFit::slow).
+  bool slow() const {
+    return explanation.verdict == Verdict::kAdequate && base.one_step < kSlowError * base.rms;
+  }
 };
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);

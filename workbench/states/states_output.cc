@@ -174,7 +174,9 @@ std::string VerdictText(const StatesExplained& e) {
   switch (x.verdict) {
     case Verdict::kAdequate:
       return text +
-             "The model describes these episodes: no function of states and inputs predicts what is left.\n";
+             fmt::format(
+                 "The model describes {}: no function of states and inputs predicts what is left.\n",
+                 x.runs.empty() ? "these episodes" : "short runs of these episodes, which is no all-clear");
     case Verdict::kNamed:
       for (const std::string& id : x.set) {
         text += "  " + NamedEffect(effects, id) + "\n";

@@ -56,6 +56,16 @@ Told ToldTogetherText(const ToldTogether& together) {
   return text;
 }
 
+/// Of an error that lasts over many rows and that nothing predicts.
+Told SlowText(const Told& consequence) {
+  return Tell(
+      "the error is slow, yet no function of states and inputs predicts it: noise acts on the process itself (or a "
+      "disturbance that is not measured, or a sensor lags){}",
+      "der Fehler ist langsam, doch keine Funktion von Zuständen und Eingängen sagt ihn voraus: Rauschen wirkt auf den "
+      "Prozess selbst (oder eine Störung, die nicht gemessen wird, oder ein Sensor hinkt nach){}",
+      consequence);
+}
+
 }  // namespace
 
 std::vector<Told> FitWarnings(const StatesFit& fit) {
@@ -83,11 +93,7 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));
   else if (fit.slow())
-    warnings.push_back(Tell(
-        "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-        "itself (or a disturbance that is not measured){}",
-        "der Fehler ist langsam, doch keine Funktion von Zuständen und Eingängen sagt ihn voraus: Rauschen wirkt auf "
-        "den Prozess selbst (oder eine Störung, die nicht gemessen wird){}",
+    warnings.push_back(SlowText(
         fit.prediction ? Tell("; the parameters are those that predict one row ahead best",
                               "; die Parameter sind die, die eine Zeile voraus am besten voraussagen")
                        : Tell(", and the intervals hold it", ", und die Intervalle enthalten es")));
@@ -97,7 +103,12 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
 std::vector<Told> ExplainWarnings(const StatesExplained& e) {
   std::vector<Told> warnings = e.log.warnings;
   warnings.insert(warnings.end(), e.explanation.warnings.begin(), e.explanation.warnings.end());
-  if (e.explanation.astray) warnings.push_back(AstrayText(e.explanation.final.fit));
+  if (e.explanation.astray)
+    warnings.push_back(AstrayText(e.explanation.final.fit));
+  else if (e.slow())
+    warnings.push_back(SlowText(Tell(
+        "; a law may hide in it: look at the error in time with 'hydroscope compare'",
+        "; ein Gesetz kann darin verborgen sein: den Fehler über der Zeit ansehen, mit 'hydroscope compare'")));
   return warnings;
 }
 
