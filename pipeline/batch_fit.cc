@@ -14,9 +14,6 @@
 namespace hydroscope {
 namespace {
 
-/// Fewer than a verdict needs: where that many are left, the time stamps may be the cause.
-constexpr std::size_t kFewStrokes = 4;
-
 void Add(const StrokeCounters& more, StrokeCounters& sum) {
   sum.samples += more.samples;
   sum.gated += more.gated;
@@ -139,8 +136,9 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
+  // Where too few strokes for a verdict are left, the time stamps may be the cause.
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
-      out.strokes.size() < kFewStrokes && !coarse.empty())
+      out.strokes.size() < kMinExplainStrokes && !coarse.empty())
     return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   return out;

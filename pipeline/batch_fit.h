@@ -30,6 +30,9 @@ struct LogStrokes {
   std::vector<StrokeGram> Grams() const;
 };
 
+/// Strokes below which held-out errors and intervals clustered by stroke say nothing.
+inline constexpr std::size_t kMinExplainStrokes = 4;
+
 /// Whether to keep the gated samples in memory, for refining effects and for locating errors. Thinned: of
 /// very many strokes only every second, fourth, ... is kept, with its samples, so that memory stays bounded
 /// for any log.

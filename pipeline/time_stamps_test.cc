@@ -34,6 +34,8 @@ TEST(CoarseTimeStamps, AreToldFromAFewRowsThatAreThereTwice) {
   read.flagged[8] = 3 * 900;
   static_assert(quality::kDuplicate == 1 << 8);
   EXPECT_THAT(CoarseTimeStamps(read, 3).english, HasSubstr("90 % of the rows repeat the time stamp"));
+  read.flagged[8] = 3 * 150;
+  EXPECT_THAT(CoarseTimeStamps(read, 3).english, HasSubstr("15 % of the rows"));
   read.flagged[8] = 3 * 50;
   EXPECT_TRUE(CoarseTimeStamps(read, 3).empty());
 }

@@ -32,7 +32,7 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
     case Verdict::kAdequate:
       return x.runs.empty()
                  ? "✓ The model describes these episodes: nothing is missing in it"
-                 : "✓ The model describes short runs of these episodes; what adds up over a whole one is open";
+                 : "△ The model describes short runs of these episodes; what adds up over a whole one is open";
     case Verdict::kNamed:
       return EscapeText(
           fmt::format("◆ The machine shows what the model lacks: {}", fmt::join(names, " and ")));
@@ -40,9 +40,8 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
       return "△ The model lacks something; these episodes cannot tell which of several effects";
     case Verdict::kUnknown:
       return x.astray ? "? The free run hardly follows what was measured: what it leaves tells of no effect"
-             : x.base_left.doubtful && x.final.added.empty()
-                 ? "? The model may lack something, and no effect it may be given explains it"
-                 : "? The model lacks something that no effect it may be given explains";
+             : x.only_doubtful() ? "? The model may lack something, and no effect it may be given explains it"
+                                 : "? The model lacks something that no effect it may be given explains";
   }
   return "";
 }

@@ -75,13 +75,13 @@ std::string VerdictText(const LoopComparison& comparison) {
         text += fmt::format(
             "Nothing else changed: what is left is within the errors (chi^2 {:.1f} at {} degrees of freedom).\n",
             set.chi_squared, set.degrees_of_freedom);
-      for (const LoopChangeSet& imitator : comparison.imitators)
-        text += fmt::format("At once, these would look the same: {}.\n", SetText(imitator));
       if (comparison.verdict == LoopComparison::Verdict::kAmbiguous) {
         text = "ambiguous: these records do not tell apart\n  " + SetText(set) + "\n";
         for (const LoopChangeSet& other : comparison.others) text += "  " + SetText(other) + "\n";
         text += "Record longer, or look at what tells them apart.\n";
       }
+      for (const LoopChangeSet& imitator : comparison.imitators)
+        text += fmt::format("At once, these would look the same: {}.\n", SetText(imitator));
       return text;
     case LoopComparison::Verdict::kUnknown:
       return fmt::format("unknown: no set of changes that are known leads there; nearest: {}\n",

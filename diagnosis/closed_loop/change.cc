@@ -141,7 +141,8 @@ void FindSet(const Movement& movement, const LoopComparisonOptions& options, Loo
           sets[k].chi_squared < sets.front().chi_squared + options.as_good)
         comparison.others.push_back(sets[k]);
     for (LoopChangeSet& larger : SetsOf(*comparison.plant, movement, size + 1, options.least_p))
-      if (Apart(larger, comparison.set) && larger.chi_squared < comparison.set.chi_squared + options.as_good)
+      if (Apart(larger, comparison.set) && larger.p_value >= options.least_p &&
+          larger.chi_squared < comparison.set.chi_squared + options.as_good)
         comparison.imitators.push_back(std::move(larger));
     comparison.verdict =
         comparison.others.empty() ? LoopComparison::Verdict::kNamed : LoopComparison::Verdict::kAmbiguous;

@@ -411,12 +411,8 @@ class EffectSearch {
     return out_.unexplained <= LeftShare(out_.final);
   }
 
-  /// A law that the log shows too seldom may be in what the final set leaves, which a warning says.
-  bool MayLackLaw(const StateRemainder& left) {
-    if (!left.doubtful || !Coloured(out_.final)) return false;
-    out_.warnings.push_back(MayBeMissing(left));
-    return true;
-  }
+  /// A law that the log shows too seldom may be in what the final set leaves.
+  bool MayLackLaw() const { return out_.final_left.doubtful && Coloured(out_.final); }
 
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
@@ -426,18 +422,18 @@ class EffectSearch {
       LeaveUnknown(out_.final.added);
       return;
     }
-    if (out_.final.added.empty()) {
-      out_.verdict =
-          MayLackLaw(out_.base_left) || out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
-      return;
-    }
     const std::vector<std::string> found = out_.final.added;
-    if (!Complete() && !CompleteWithFewer()) {
+    if (!found.empty() && !Complete() && !CompleteWithFewer()) {
       LeaveUnknown(found);
       return;
     }
-    if (MayLackLaw(out_.final_left)) {
-      LeaveUnknown(found);
+    if (MayLackLaw()) {
+      out_.warnings.push_back(MayBeMissing(out_.final_left));
+      LeaveUnknown(out_.final.added);
+      return;
+    }
+    if (found.empty()) {
+      out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
     out_.partial = out_.final_left.structured;

@@ -100,10 +100,10 @@ class NoisyRuns {
 };
 
 constexpr Wording kCoveredText = {
-    "what short runs do not show adds up over an episode: noise acts on the process itself, a disturbance is not measured, a "
-    "sensor lags, or a slow law is missing",
-    "was kurze Läufe nicht zeigen, summiert sich über eine Episode: Rauschen wirkt auf den Prozess selbst, eine Störung wird nicht "
-    "gemessen, ein Sensor hinkt nach, oder ein langsames Gesetz fehlt"};
+    "noise acts on the process itself, a disturbance is not measured, a sensor lags, or a slow law is missing, which adds up "
+    "over an episode",
+    "Rauschen wirkt auf den Prozess selbst, eine Störung wird nicht gemessen, ein Sensor hinkt nach, oder ein langsames Gesetz "
+    "fehlt, was sich über eine Episode summiert"};
 constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
                                  "ein freier Lauf über ganze Episoden verliert sich"};
 

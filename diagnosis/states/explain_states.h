@@ -89,6 +89,9 @@ struct StatesExplanation {
   /// ErrorLeftOut of `base` over what it is on the episodes that `ranking` was fitted on.
   double scale_of_tried = 1;
 
+  /// Whether something is missing at all is in doubt: unknown for lack of an all-clear.
+  bool only_doubtful() const { return base_left.doubtful && final.added.empty(); }
+
   /// Its effects stand beside the one of the set that it does without, which makes the verdict ambiguous.
   void AddRival(StateCandidate rival);
 };

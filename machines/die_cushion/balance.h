@@ -8,6 +8,9 @@
 
 namespace hydroscope {
 
+/// K, oil temperature at which sizes that follow it are stated: 40 degC.
+inline constexpr double kStatedAt = 313.15;
+
 inline constexpr double kAirPressure = 1.013e5;  ///< Pa; chamber pressures are gauge pressures
 
 /// Channels of a die-cushion stretch: measured ones, then derived ones.

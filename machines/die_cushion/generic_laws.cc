@@ -15,18 +15,19 @@ constexpr std::string_view kGain = "flow gain", kNull = "null";
 // Much the same as an effect of the library, and yet of another cause: a leak to a side of another pressure.
 constexpr std::string_view kLeak = "flow with ";
 // Scales that bring every signal to about 1, so that the laws are of similar size.
-constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0, kMiddle = 313.15;
-constexpr double kAbsolute = 1.013e5;  // Pa, from gauge to absolute pressure
+constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0;
 
 double P(const Stretch& s, int k) { return s[kPressureA][k] / kPressure; }
 double B(const Stretch& s, int k) { return s[kPressureB][k] / kPressure; }
 double Z(const Stretch& s, int k) { return s[kPosition][k] / kPosition1; }
 double Y(const Stretch& s, int k) { return s[kSpool][k]; }
 double Valve(const Stretch& s, int k) { return s[kFlowRoot][k] * s[kSpool][k]; }
-double Oil(const Stretch& s, int k) { return (s[kOilTemperature][k] - kMiddle) / kTemperature; }
-double LogOf(const Stretch& s, int k) { return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute)); }
+double Oil(const Stretch& s, int k) { return (s[kOilTemperature][k] - kStatedAt) / kTemperature; }
+double LogOf(const Stretch& s, int k) {
+  return std::log(std::max(s[kPressureA][k] + kAirPressure, kAirPressure));
+}
 double Inverse(const Stretch& s, int k) {
-  return kPressure / std::max(s[kPressureA][k] + kAbsolute, kAbsolute);
+  return kPressure / std::max(s[kPressureA][k] + kAirPressure, kAirPressure);
 }
 
 /// A flow of that rate.

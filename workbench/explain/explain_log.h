@@ -78,9 +78,6 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
 /// it stands.
 void RefuseVerdict(const Told& why, Explanation& explanation);
 
-/// Strokes below which held-out errors and intervals clustered by stroke say nothing.
-inline constexpr std::size_t kMinExplainStrokes = 4;
-
 /// Why so few strokes carry no verdict, "" if they do.
 Told TooFewForVerdict(std::size_t strokes);
 

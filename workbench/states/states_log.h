@@ -48,7 +48,9 @@ struct StatesFit {
     return !left.structured && error.one_step < kColouredError * error.rms &&
            fit.ErrorOfVariation() > kHardlyFollows;
   }
-  bool noise_alone() const { return !left.structured && !astray(); }
+  /// What is left is no white noise, and a law may be in it that the log shows too seldom.
+  bool may_lack_law() const { return left.doubtful && error.one_step < kColouredError * error.rms; }
+  bool noise_alone() const { return !left.structured && !may_lack_law() && !astray(); }
 
   EpisodeLog log;
   StateFit fit;

@@ -195,9 +195,8 @@ std::string VerdictText(const StatesExplained& e) {
       break;
   }
   text += x.astray ? "The free run hardly follows what was measured: what it leaves tells of no effect.\n"
-          : x.base_left.doubtful && x.final.added.empty()
-              ? "Something may be missing, and no effect of the machine file explains it.\n"
-              : "An error is there, and no effect of the machine file explains it.\n";
+          : x.only_doubtful() ? "Something may be missing, and no effect of the machine file explains it.\n"
+                              : "An error is there, and no effect of the machine file explains it.\n";
   if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
   if (x.astray) return text;
   return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n",
@@ -303,8 +302,9 @@ std::string CompareText(const StatesFit& fit) {
   std::string text =
       fit.left.structured
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
-      : fit.astray() ? "The model hardly follows what was measured.\n"
-                     : "The model describes these episodes; noise alone is left.\n";
+      : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
+      : fit.astray()       ? "The model hardly follows what was measured.\n"
+                           : "The model describes these episodes; noise alone is left.\n";
   for (const auto& [what, error] : std::initializer_list<std::pair<const char*, double>>{
            {"free run", fit.error.rms},
            {"on pieces left out", fit.error.rms_holdout},

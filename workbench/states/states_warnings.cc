@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "diagnosis/states/search_sentences.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -59,10 +60,10 @@ Told ToldTogetherText(const ToldTogether& together) {
 /// Of an error that lasts over many rows and that nothing predicts.
 Told SlowText(const Told& consequence) {
   return Tell(
-      "the error is slow, yet no function of states and inputs predicts it: noise acts on the process itself (or a "
-      "disturbance that is not measured, or a sensor lags){}",
+      "the error is slow, yet no function of states and inputs predicts it: noise acts on the process itself, a "
+      "disturbance is not measured, or a sensor lags{}",
       "der Fehler ist langsam, doch keine Funktion von Zuständen und Eingängen sagt ihn voraus: Rauschen wirkt auf den "
-      "Prozess selbst (oder eine Störung, die nicht gemessen wird, oder ein Sensor hinkt nach){}",
+      "Prozess selbst, eine Störung wird nicht gemessen, oder ein Sensor hinkt nach{}",
       consequence);
 }
 
@@ -92,6 +93,8 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
   if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));
+  else if (fit.may_lack_law())
+    warnings.push_back(MayBeMissing(fit.left));
   else if (fit.slow())
     warnings.push_back(SlowText(
         fit.prediction ? Tell("; the parameters are those that predict one row ahead best",

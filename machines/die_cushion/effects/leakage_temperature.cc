@@ -4,8 +4,7 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeakReference = 313.15;  ///< K, 40 degC, at which G is stated
-constexpr double kLeastOilSpan = 3.0;      ///< K; below it the leak is one like any other
+constexpr double kLeastOilSpan = 3.0;  ///< K; below it the leak is one like any other
 
 }  // namespace
 
@@ -39,7 +38,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
     return PlainVariant([beta = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB], *t = s[kOilTemperature];
       wide::IntegrateOverTime(
-          s, [=](int k) { return -(a[k] - b[k]) * Exp(beta * (t[k] - kLeakReference)); }, out);
+          s, [=](int k) { return -(a[k] - b[k]) * Exp(beta * (t[k] - kStatedAt)); }, out);
     });
   };
   e.grid = {{0.02}, {0.04}};

@@ -4,7 +4,6 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kReferenceTemperature = 313.15;  // K, 40 degC
 // K; over less, 1 % per K (five times the typical size) would not stand out of what drifts by itself.
 constexpr double kLeastWarming = 2.0;
 
@@ -34,8 +33,8 @@ Effect OilViscosity(const CushionGeometry&) {
   e.german = {
       "Durchflussverstärkung folgt der Öltemperatur",
       "Mit c über 0 lässt das Ventil bei warmem Öl mehr durch; bis zu einem Grad ist das normal. Zu suchen: Kühler oder Heizung "
-      "außer Betrieb, falsche Ölsorte. Kein Öl macht es weniger: bei c unter 0 einen Druck- oder Schiebersensor suchen, der warm "
-      "anders zeigt.",
+      "außer Betrieb, falsche Ölsorte. Kein Öl macht es weniger: bei c unter 0 einen Druck- oder Schiebersensor suchen, der "
+      "warm anders zeigt.",
       "Hübe mit kaltem und mit warmem Öl, dann dasselbe in umgekehrter Folge: was der Temperatur folgt, "
       "kommt zurück, was driftet, nicht"};
   e.told_apart_by =
@@ -50,12 +49,12 @@ Effect OilViscosity(const CushionGeometry&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
       wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
+          s, [=](int k) { return root[k] * y[k] * (t[k] - kStatedAt); }, out);
     };
     const auto null = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *t = s[kOilTemperature];
       wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
+          s, [=](int k) { return root[k] * (t[k] - kStatedAt); }, out);
     };
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[3]};

@@ -5,7 +5,6 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kRightAt = 313.15;          // K, 40 degC
 constexpr double kLeastSensorWarming = 2.0;  // K; over less, the largest size changes a reading by 0.2 %
 
 }  // namespace
@@ -45,7 +44,7 @@ Effect PressureGainTemperature(const CushionGeometry&) {
   e.variant = [](const auto&) {
     constexpr double kUnit = 1e-4;  // 1/K, over which the root is differenced
     const auto shift = [](double root, double y, double p, double t) {
-      return RootShift(root, y, kUnit * (t - kRightAt) * p) * (1.0 / kUnit);
+      return RootShift(root, y, kUnit * (t - kStatedAt) * p) * (1.0 / kUnit);
     };
     const auto flow = [=](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
@@ -55,12 +54,12 @@ Effect PressureGainTemperature(const CushionGeometry&) {
     const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
       const double *p = s[kPressureA], *t = s[kOilTemperature];
       wide::Differences(
-          s, [=](int k) { return -p[k] * (t[k] - kRightAt); }, out);
+          s, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
     };
     const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
       const double *p = s[kPressureA], *z = s[kPosition], *t = s[kOilTemperature];
       wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] * (t[k] - kRightAt); }, out);
+          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
     };
     const auto null = [=](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
