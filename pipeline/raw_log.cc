@@ -208,7 +208,10 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine,
                                                  double period, std::string& note) {
   auto reader = OpenRecording(log, machine);
-  if (reader) reader = AtPeriod(std::move(*reader), period, note);
+  if (!reader) return reader;
+  const std::string even = (*reader)->counters().even_times.english;
+  reader = AtPeriod(std::move(*reader), period, note);
+  if (!even.empty()) note = note.empty() ? even : even + "; " + note;
   return reader;
 }
 

@@ -37,7 +37,8 @@ Result<std::unique_ptr<LogReader>> OpenRawRun(const std::string& database, std::
 /// A log file, one of an axis ("press.csv#cushion_1", pipeline/axis_log.h), or a piece of a raw window: what
 /// every command that reads logs takes.
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine);
-/// The same with rows `period` s apart where they are nearly so (replay/resampled_reader.h); `note` then says it.
+/// The same with rows `period` s apart where they are nearly so (replay/resampled_reader.h); `note` says what was done to the
+/// times of the rows.
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine,
                                                  double period, std::string& note);
 /// Fingerprint of either.

@@ -1,8 +1,11 @@
 #include "replay/log_reader.h"
 
+#include <filesystem>
+
 #include "core/told_error.h"
 #include "replay/byte_source.h"
 #include "replay/csv_reader.h"
+#include "replay/even_rows.h"
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
@@ -30,12 +33,27 @@ constexpr Format kFormats[] = {
     {IsText, OpenText},
 };
 
-}  // namespace
-
-Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
+Result<std::unique_ptr<LogReader>> OpenStamped(const std::string& path, const Machine& machine) {
   for (const Format& format : kFormats)
     if (format.recognises(path)) return format.open(path, machine);
   return BadInput(Tell("{}: no format of logs that is known", "{}: kein bekanntes Log-Format", path));
+}
+
+/// What can be read only once keeps its stamps.
+bool CanBeReadAgain(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
+  auto log = OpenStamped(path, machine);
+  if (!log || machine.log.time_column.empty() || !CanBeReadAgain(path)) return log;
+  auto even = FindEvenRows(**log);
+  auto again = OpenStamped(path, machine);
+  if (!again || !even || !*even) return again;
+  return WithEvenTimes(std::move(*again), std::move(**even));
 }
 
 }  // namespace hydroscope

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "replay/time_check.h"
+
 namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsBuffered = 1024;
 constexpr double kNeighbourPeriods =
     1.5;  // own periods between two rows above which nothing lies between them
-constexpr Quality kOfTheTime =
-    quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
 class ResampledReader : public LogReader {
  public:

@@ -7,6 +7,10 @@
 
 namespace hydroscope {
 
+/// Flags that TimeChecker sets.
+inline constexpr Quality kOfTheTime =
+    quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
+
 /// Nominal time between rows: mean of the differences within 0.5...1.5 times their median, taken as 1/n s if
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);

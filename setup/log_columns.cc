@@ -10,6 +10,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kCoarseClock = 0.1;  // share of rows that repeat the value of the row before
+
 /// A name that a machine file can hold and that leads back to this column, else the column's number.
 std::string ReferenceOf(const LogLayout& layout, std::size_t column) {
   const std::string& name = layout.names[column];
@@ -23,6 +25,19 @@ double StandardDeviation(const std::vector<double>& values) {
   for (const double value : values) mean += value / static_cast<double>(values.size());
   for (const double value : values) square += (value - mean) * (value - mean);
   return std::sqrt(square / static_cast<double>(values.size()));
+}
+
+/// Mean step from the first to the last change of a column that never falls, whose changes are rarer than its rows: time stamps
+/// coarser than these. 0 of any other column.
+double StepOfCoarseClock(const std::vector<double>& values) {
+  std::size_t first = 0, last = 0;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (values[k] < values[k - 1]) return 0;
+    if (values[k] == values[k - 1]) continue;
+    if (first == 0) first = k;
+    last = k;
+  }
+  return last > first ? (values[last] - values[first]) / static_cast<double>(last - first) : 0;
 }
 
 void Describe(LogColumn& column) {
@@ -43,6 +58,8 @@ void Describe(LogColumn& column) {
   column.roughness = spread > 0 ? StandardDeviation(steps) / spread : 0;
   column.repeated = steps.empty() ? 0 : static_cast<double>(same) / static_cast<double>(steps.size());
   column.step = steps.empty() ? 0 : Quantile(steps, 0.5, kNaN);
+  if (column.repeated > kCoarseClock)
+    if (const double step = StepOfCoarseClock(values); step > 0) column.step = step;
   column.low = Quantile(values, 0.01, kNaN);
   column.high = Quantile(values, 0.99, kNaN);
 }

@@ -17,7 +17,7 @@ struct LogColumn {
   std::vector<double> value;  ///< raw, one per row; NaN where there is no number
   bool date = false;          ///< dates or times of day, read as s
   double low = 0, high = 0;   ///< 1 % and 99 % quantile; NaN without numbers
-  double step = 0;            ///< median difference between rows
+  double step = 0;            ///< median difference between rows; of stamps coarser than these the mean
   bool rising = false;        ///< every row above the one before
   double roughness = 0;  ///< standard deviation of the difference between rows / of the values; 0 = constant
   double repeated = 0;   ///< share of rows with the very same value as the row before

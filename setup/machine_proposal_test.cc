@@ -272,6 +272,17 @@ TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {
   ExpectLoads(proposal);
 }
 
+TEST(MachineProposal, TellsHowFarRowsAreApartUnderCoarseTimeStamps) {
+  for (const double step : {0.01, 1.0}) {
+    const MachineProposal proposal = Propose(PressLog("Time,p_A,z,y_v\n", [&](const PressRow& r) {
+      return fmt::format("{:.2f},{:.0f},{:.6f},{:.6f}", std::floor(r.t / step + 1e-6) * step, r.p_A, r.z,
+                         r.y_v);
+    }));
+    EXPECT_EQ(proposal.machine.log.time_unit, "s");
+    EXPECT_THAT(InEnglish(proposal.decided), Contains(HasSubstr("rows are 2 ms apart")));
+  }
+}
+
 TEST(MachineProposal, TakesUnitsFromTheEndOfNames) {
   const MachineProposal proposal =
       Propose(PressLog("t_ms,pA_bar,pB_bar,p0_bar,s_mm,y_v,U_v,T_oil_C\n", [](const PressRow& r) {

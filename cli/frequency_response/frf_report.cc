@@ -154,9 +154,9 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
   if (!std::isnan(log.oil_temperature))
     text += fmt::format("  oil temperature {:.1f} °C\n", log.oil_temperature - kZeroCelsius);
   for (const std::string& warning : response.warnings) text += fmt::format("Note: {}\n", warning);
-  if (log.left_out > 0) {
+  if (!log.even_times.empty()) text += fmt::format("Note: {}\n", log.even_times.english);
+  if (log.left_out > 0)
     text += fmt::format("Note: {} of {} rows left out ({})\n", log.left_out, log.rows, log.left_out_why);
-  }
   if (const double worst = WorstDistortion(response.points); worst > kNotableDistortion) {
     text += fmt::format(
         "Hint: up to {:.1f} % harmonics in the response that the command does not have: the valve ran into a limit (spool speed, "

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/told.h"
+#include "replay/log_reader.h"
+
+namespace hydroscope {
+
+/// Rows that were sampled at even intervals, though their time stamps do not show it: stamps coarser than the rows (10 ms, a
+/// whole second), or taken by a computer when it stored a row.
+struct EvenRows {
+  /// Rows one period after the other, up to the next piece.
+  struct Piece {
+    std::int64_t first = 0;  ///< row
+    double time = 0;         ///< s, of that row: stamps less their mean distance from a straight line
+  };
+
+  double period = 0;  ///< s
+  std::vector<Piece> pieces;
+  Told why;  ///< what is wrong with the stamps, and what is taken in their place
+};
+
+/// Reads a log to its end. Nothing if its stamps are as good as even times, if rows are not even, or if the log is too short to
+/// tell. Whether coarse stamps belong to even rows is told by their distances from a straight line, which are not beyond one step
+/// of the clock; whether stamps that jitter do, by the signals: those of even rows are smoother over the rows than over the
+/// stamps. Rows that are missing between even ones begin a new piece. Stamps of other logs cost the first thousand rows.
+Result<std::optional<EvenRows>> FindEvenRows(LogReader& log);
+
+/// `reader` with the times of `rows` in place of its stamps, and flags of time that follow from these.
+std::unique_ptr<LogReader> WithEvenTimes(std::unique_ptr<LogReader> reader, EvenRows rows);
+
+}  // namespace hydroscope
