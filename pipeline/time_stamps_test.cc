@@ -45,7 +45,8 @@ TEST(CoarseTimeStamps, AreTheCauseThatALogWithoutStrokesIsRefusedFor) {
   std::ofstream log(path);
   log << "t,p_A,z,y_v\n";
   for (int k = 0; k < 2000; ++k)  // of two rates: no even rows
-    log << 0.01 * (k < 1000 ? k / 10 : 100 + (k - 1000) / 37) << "," << 5e6 + k << "," << 0.2 - 1e-4 * k << "," << 0.1 + 1e-5 * k << "\n";
+    log << 0.01 * (k < 1000 ? k / 10 : 100 + (k - 1000) / 37) << "," << 5e6 + k << "," << 0.2 - 1e-4 * k
+        << "," << 0.1 + 1e-5 * k << "\n";
   log.close();
   const auto strokes = ReadStrokes(path, CushionOfFourColumns());
   ASSERT_FALSE(strokes);

@@ -44,7 +44,8 @@ struct Smoothness {
 
   void Add(double early, double middle, double late, double step, double next) {
     const double share = step / (step + next);
-    const double even = middle - 0.5 * (early + late), stamped = middle - ((1 - share) * early + share * late);
+    const double even = middle - 0.5 * (early + late),
+                 stamped = middle - ((1 - share) * early + share * late);
     const double more_of_this =
         stamped * stamped / (1 + share * share + (1 - share) * (1 - share)) - even * even / 1.5;
     if (!std::isfinite(more_of_this)) return;
@@ -251,7 +252,9 @@ class LineThroughStamps {
 
   /// First row behind a step of the phase: where two means describe the stamps best.
   std::size_t PlaceOfStep(std::size_t begin, std::size_t end) const {
-    const auto off = [&](std::size_t k) { return t_[k] - t_[begin] - period_ * static_cast<double>(k - begin); };
+    const auto off = [&](std::size_t k) {
+      return t_[k] - t_[begin] - period_ * static_cast<double>(k - begin);
+    };
     double all = 0, before = 0, best = -1;
     for (std::size_t k = begin; k < end; ++k) all += off(k);
     std::size_t place = begin + 1;

@@ -51,8 +51,9 @@ class Reader : public LogReader {
 };
 
 /// `rows` rows `period` s apart, each stamped by `stamp`, without those that `lost` is true of.
-Log LogOf(double period, int rows, const std::function<double(double)>& stamp,
-          const std::function<bool(int)>& lost = [](int) { return false; }) {
+Log LogOf(
+    double period, int rows, const std::function<double(double)>& stamp,
+    const std::function<bool(int)>& lost = [](int) { return false; }) {
   Log log;
   for (int row = 0; row < rows; ++row) {
     const double t = 40 + row * period;
