@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/constants.h"
+#include "core/quantile.h"
 #include "replay/time_check.h"
 
 namespace hydroscope {
@@ -29,13 +29,6 @@ constexpr double kOffTheLine = 1.6;
 // Standard deviations by which signals must be smoother over even rows.
 constexpr double kSmoother = 6.0;
 constexpr double kMedianAbsolute = 0.6745;  // of a normal variable, in standard deviations
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Energy that the middle one of three rows leaves beside the straight line through its neighbours, once as if rows were even
 /// and once by the stamps: each in variances of white noise, so that noise alone gives twice the same.
@@ -86,7 +79,7 @@ class Stamps {
     std::vector<double> steps;
     for (std::size_t k = 1; k < times_.size(); ++k)
       if (times_[k] > times_[k - 1]) steps.push_back(times_[k] - times_[k - 1]);
-    return Median(std::move(steps));
+    return Median(std::move(steps), kNaN);
   }
   double RowsPerStep() const {
     std::int64_t steps = 1;
@@ -220,16 +213,16 @@ class LineThroughStamps {
     windows_ = 0;
     ForWindows([&](const Span&, std::size_t) { ++windows_; });
     if (windows_ < kLeastWindows) return;
-    period_ = Median(Wander()) / rows;
+    period_ = Median(Wander(), kNaN) / rows;
   }
-  void CorrectPeriod() { period_ += Median(Wander()) / static_cast<double>(window_); }
+  void CorrectPeriod() { period_ += Median(Wander(), kNaN) / static_cast<double>(window_); }
 
   /// Where the phase moves from the window before a window to the one behind it by most of a period or more, rows are missing.
   void SplitWhereRowsAreMissing() {
     std::vector<double> spread;
     for (const double step : Wander()) spread.push_back(std::abs(step));
     const double least =
-        std::max(kDisplaced * period_, kDisplacedSpreads * Median(std::move(spread)) / kMedianAbsolute);
+        std::max(kDisplaced * period_, kDisplacedSpreads * Median(std::move(spread), kNaN) / kMedianAbsolute);
     std::vector<Span> split;
     for (const Span& span : spans_) {
       std::size_t begin = span.begin;
@@ -296,7 +289,7 @@ class LineThroughStamps {
       }
       spreads.push_back(high - low);
     });
-    return Median(std::move(spreads));
+    return Median(std::move(spreads), kNaN);
   }
 
   const std::vector<double>& t_;
@@ -311,7 +304,9 @@ class EvenReader : public LogReader {
  public:
   EvenReader(std::unique_ptr<LogReader> inner, EvenRows rows)
       : inner_(std::move(inner)), even_(std::move(rows)), check_(even_.period) {
-    counters_.even_times = even_.why;
+    const Told& before = inner_->counters().time_base;
+    if (!before.empty()) even_.why = Tell("{}; {}", "{}; {}", before, even_.why);
+    counters_.time_base = even_.why;
   }
 
   Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
@@ -323,10 +318,8 @@ class EvenReader : public LogReader {
       for (auto& flags : block.quality) flags[row] &= static_cast<Quality>(~kOfTheTime);
     }
     check_.Check(block, of_time_);
-    counters_ = inner_->counters();
-    for (std::size_t bit = 0; bit < counters_.flagged.size(); ++bit)
-      if ((kOfTheTime >> bit) & 1) counters_.flagged[bit] = of_time_.flagged[bit];
-    counters_.even_times = even_.why;
+    counters_ = WithFlagsOfTime(inner_->counters(), of_time_);
+    counters_.time_base = even_.why;
     return read;
   }
   double Progress() const override { return inner_->Progress(); }
@@ -361,15 +354,20 @@ Told WhyOf(const Stamps& stamps, bool coarse, double period) {
 
 }  // namespace
 
+bool MayBeEvenRows(const SampleBlock& head) {
+  Stamps stamps;
+  stamps.Add(head);
+  return stamps.Coarse() || stamps.Jitter();
+}
+
 Result<std::optional<EvenRows>> FindEvenRows(LogReader& log) {
   Stamps stamps;
   SampleBlock block;
-  for (bool head = true;; head = false) {
+  for (;;) {
     const auto rows = log.Read(block, kRowsAtOnce);
     if (!rows) return tl::unexpected(rows.error());
     if (*rows == 0) break;
     stamps.Add(block);
-    if (head && !stamps.Coarse() && !stamps.Jitter()) return std::nullopt;
   }
   const bool coarse = stamps.Coarse();
   if (!coarse && !(stamps.Jitter() && stamps.SmootherOverRows())) return std::nullopt;

@@ -24,10 +24,13 @@ struct EvenRows {
   Told why;  ///< what is wrong with the stamps, and what is taken in their place
 };
 
+/// Whether the stamps of a log's first rows are coarse or jitter.
+bool MayBeEvenRows(const SampleBlock& head);
+
 /// Reads a log to its end. Nothing if its stamps are as good as even times, if rows are not even, or if the log is too short to
 /// tell. Whether coarse stamps belong to even rows is told by their distances from a straight line, which are not beyond one step
 /// of the clock; whether stamps that jitter do, by the signals: those of even rows are smoother over the rows than over the
-/// stamps. Rows that are missing between even ones begin a new piece. Stamps of other logs cost the first thousand rows.
+/// stamps. Rows that are missing between even ones begin a new piece.
 Result<std::optional<EvenRows>> FindEvenRows(LogReader& log);
 
 /// `reader` with the times of `rows` in place of its stamps, and flags of time that follow from these.

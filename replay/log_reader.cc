@@ -6,10 +6,13 @@
 #include "replay/byte_source.h"
 #include "replay/csv_reader.h"
 #include "replay/even_rows.h"
+#include "replay/held_rows.h"
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
 namespace {
+
+constexpr std::size_t kRowsOfHead = 1000;
 
 bool IsText(const std::string&) { return true; }
 
@@ -50,10 +53,21 @@ bool CanBeReadAgain(const std::string& path) {
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
   auto log = OpenStamped(path, machine);
   if (!log || machine.log.time_column.empty() || !CanBeReadAgain(path)) return log;
-  auto even = FindEvenRows(**log);
-  auto again = OpenStamped(path, machine);
-  if (!again || !even || !*even) return again;
-  return WithEvenTimes(std::move(*again), std::move(**even));
+  SampleBlock head;
+  if (const auto rows = (*log)->Read(head, kRowsOfHead); !rows) return OpenStamped(path, machine);
+  const auto held = FindHeldRows(head, machine);
+  const auto open = [&] {
+    auto again = OpenStamped(path, machine);
+    if (again && held) again = WithoutHeldRows(std::move(*again), *held);
+    return again;
+  };
+  std::optional<EvenRows> even;
+  if (held || MayBeEvenRows(head))
+    if (auto whole = open())
+      if (auto found = FindEvenRows(**whole)) even = std::move(*found);
+  log = open();
+  if (log && even) log = WithEvenTimes(std::move(*log), std::move(*even));
+  return log;
 }
 
 }  // namespace hydroscope

@@ -26,7 +26,8 @@ struct LogCounters {
   std::int64_t rejected_rows = 0;  ///< rows that could not be delivered at all (torn, wrong field count)
   std::array<std::int64_t, 16> flagged{};  ///< values per quality flag (bit number), set by the reader
   std::vector<LogFinding> findings;        ///< the first 100
-  Told even_times;  ///< why rows have times other than their stamps (replay/even_rows.h); "" if they have not
+  /// Why rows have times other than their stamps, or are fewer than the log has; "" if neither.
+  Told time_base;
 };
 
 /// A stream of samples from a file of any size: memory does not grow with the file.
@@ -44,7 +45,8 @@ class LogReader {
 };
 
 /// Opens a CSV (plain or .gz) or MAT (v4 to v7.3) log with the columns, units, scales and offsets of `machine`.
-/// Rows whose stamps are coarse or jitter get even times where they have them (replay/even_rows.h). Missing column: an error
+/// Rows that a logger repeats are left out (replay/held_rows.h), rows whose stamps are coarse or jitter get even times where
+/// they have them (replay/even_rows.h). Missing column: an error
 /// that lists the columns found and suggests the nearest.
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine);
 

@@ -15,6 +15,9 @@ inline constexpr Quality kOfTheTime =
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
 
+/// `read` with the flags of time that `of_time` counts in place of its own.
+LogCounters WithFlagsOfTime(LogCounters read, const LogCounters& of_time);
+
 /// Flags rows by their time stamps, on all channels of the row, independent of how rows are cut into blocks:
 ///   kDuplicate      the time of the row before again
 ///   kTimeBackwards  earlier than the row before; rows stay flagged until time has passed the latest one

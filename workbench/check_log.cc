@@ -166,7 +166,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.pass = std::move(*pass);
   check.time = survey.time();
   TakeSignals(survey, check);
-  check.even_times = (*reader)->counters().even_times;
+  check.time_base = (*reader)->counters().time_base;
   if (pipeline) {
     check.conditions = survey.conditions();
     check.driving.too_short = pipeline->discarded_strokes();

@@ -52,7 +52,7 @@ struct CheckResult {
   LogPass pass;
   double sample_period = 0;  ///< s
   TimeSurvey time;
-  Told even_times;  ///< LogCounters::even_times
+  Told time_base;  ///< LogCounters::time_base
   std::vector<CheckedSignal> signals;
   std::vector<ConditionSurvey> conditions;
   Driving driving;

@@ -54,7 +54,7 @@ std::string Sampling(const CheckResult& check) {
   text += t.gaps > 0 ? fmt::format(", gaps: {}, the longest {:.4g} s", t.gaps, t.longest_gap) : ", no gaps";
   if (t.not_forward > 0) text += fmt::format(", steps not forward in time: {}", t.not_forward);
   text += "\n";
-  if (!check.even_times.empty()) text += check.even_times.english + "\n";
+  if (!check.time_base.empty()) text += check.time_base.english + "\n";
   for (const CheckedSignal& signal : check.signals) {
     const std::string flags = FlagText(signal.range, kTimeFlags);
     if (!signal.present || flags.empty()) continue;
@@ -311,7 +311,7 @@ nlohmann::json CheckJson(const CheckResult& check) {
         {"gaps", t.gaps},
         {"longest_gap_s", t.longest_gap},
         {"not_forward", t.not_forward},
-        {"even_times", check.even_times.english},
+        {"time_base", check.time_base.english},
         {"fast_enough", check.trust.rate.fast_enough},
         {"needed_period_s", check.trust.rate.needed_period}}},
       {"noise", NoiseJson(check.trust.floor)},

@@ -151,7 +151,7 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
     result.left_out += rejected;
     result.left_out_why += fmt::format("{}unreadable {}", result.left_out_why.empty() ? "" : ", ", rejected);
   }
-  result.even_times = (*reader)->counters().even_times;
+  result.time_base = (*reader)->counters().time_base;
   result.supply_pressure = pressure.value();
   result.oil_temperature = oil.value();
   return result;

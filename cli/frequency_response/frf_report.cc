@@ -154,7 +154,7 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
   if (!std::isnan(log.oil_temperature))
     text += fmt::format("  oil temperature {:.1f} °C\n", log.oil_temperature - kZeroCelsius);
   for (const std::string& warning : response.warnings) text += fmt::format("Note: {}\n", warning);
-  if (!log.even_times.empty()) text += fmt::format("Note: {}\n", log.even_times.english);
+  if (!log.time_base.empty()) text += fmt::format("Note: {}\n", log.time_base.english);
   if (log.left_out > 0)
     text += fmt::format("Note: {} of {} rows left out ({})\n", log.left_out, log.rows, log.left_out_why);
   if (const double worst = WorstDistortion(response.points); worst > kNotableDistortion) {

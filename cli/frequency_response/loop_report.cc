@@ -76,7 +76,7 @@ std::vector<std::string> WarningsOf(const LoopLog& measured, const Machine& mach
   if (measured.log.left_out > 0)
     warnings.push_back(fmt::format("{} of {} rows left out ({})", measured.log.left_out, measured.log.rows,
                                    measured.log.left_out_why));
-  if (!measured.log.even_times.empty()) warnings.push_back(measured.log.even_times.english);
+  if (!measured.log.time_base.empty()) warnings.push_back(measured.log.time_base.english);
   for (const std::string& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;
 }

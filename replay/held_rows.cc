@@ -1,0 +1,137 @@
+#include "replay/held_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/quantile.h"
+#include "replay/time_check.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kLeastChanges = 50;  // that tell a rhythm
+// Of the rows between two changes: so many lie within one row of the middle one, and hardly one follows the other at once.
+constexpr double kInRhythm = 0.8, kAtOnce = 0.1;
+// Of the rows in which one of the signals changes, in so many each of them does.
+constexpr double kTogether = 0.8;
+
+/// Rows of a column in which it changes.
+std::vector<std::size_t> Changes(const std::vector<double>& column) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 1; row < column.size(); ++row)
+    if (column[row] != column[row - 1] && !(std::isnan(column[row]) && std::isnan(column[row - 1])))
+      rows.push_back(row);
+  return rows;
+}
+
+enum class Rhythm { kNone, kEveryRow, kHeld };
+
+Rhythm RhythmOf(const std::vector<std::size_t>& changes) {
+  if (changes.size() < kLeastChanges) return Rhythm::kNone;
+  std::vector<double> apart;
+  for (std::size_t k = 1; k < changes.size(); ++k)
+    apart.push_back(static_cast<double>(changes[k] - changes[k - 1]));
+  const double middle = Median(apart, 0);
+  const auto share = [&](auto&& holds) {
+    return static_cast<double>(std::count_if(apart.begin(), apart.end(), holds)) /
+           static_cast<double>(apart.size());
+  };
+  if (share([](double rows) { return rows == 1; }) > kAtOnce) return Rhythm::kEveryRow;
+  return share([&](double rows) { return std::abs(rows - middle) <= 1; }) >= kInRhythm ? Rhythm::kHeld
+                                                                                       : Rhythm::kNone;
+}
+
+class NewRowsReader : public LogReader {
+ public:
+  NewRowsReader(std::unique_ptr<LogReader> inner, HeldRows held)
+      : inner_(std::move(inner)), held_(std::move(held)), check_(held_.period) {
+    counters_.time_base = held_.why;
+  }
+
+  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
+    std::size_t kept = 0;
+    while (kept == 0) {
+      const auto read = inner_->Read(block, max_rows);
+      if (!read) return read;
+      if (*read == 0) break;
+      for (std::size_t row = 0; row < block.rows(); ++row)
+        if (IsNew(block, row)) Move(row, kept++, block);
+      block.Resize(block.signal.size(), kept);
+    }
+    check_.Check(block, of_time_);
+    given_ += static_cast<std::int64_t>(kept);
+    counters_ = WithFlagsOfTime(inner_->counters(), of_time_);
+    counters_.rows = given_;
+    counters_.time_base = held_.why;
+    return kept;
+  }
+  double Progress() const override { return inner_->Progress(); }
+  double SamplePeriod() const override { return held_.period; }
+  const LogCounters& counters() const override { return counters_; }
+
+ private:
+  bool IsNew(const SampleBlock& block, std::size_t row) {
+    bool is_new = last_.empty();
+    last_.resize(held_.signals.size());
+    for (std::size_t k = 0; k < last_.size(); ++k) {
+      const double value = block.signal[held_.signals[k]][row];
+      is_new = is_new || (value != last_[k] && !(std::isnan(value) && std::isnan(last_[k])));
+      last_[k] = value;
+    }
+    return is_new;
+  }
+  static void Move(std::size_t from, std::size_t to, SampleBlock& block) {
+    block.time[to] = block.time[from];
+    for (std::size_t s = 0; s < block.signal.size(); ++s) {
+      block.signal[s][to] = block.signal[s][from];
+      block.quality[s][to] = block.quality[s][from] & static_cast<Quality>(~kOfTheTime);
+    }
+  }
+
+  std::unique_ptr<LogReader> inner_;
+  HeldRows held_;
+  TimeChecker check_;
+  LogCounters counters_, of_time_;
+  std::vector<double> last_;  ///< values of the signals held, in the row before
+  std::int64_t given_ = 0;
+};
+
+}  // namespace
+
+std::optional<HeldRows> FindHeldRows(const SampleBlock& head, const Machine& machine) {
+  HeldRows held;
+  std::vector<std::vector<std::size_t>> changes;
+  for (std::size_t s = 0; s < head.signal.size(); ++s) {
+    std::vector<std::size_t> of_signal = Changes(head.signal[s]);
+    const Rhythm rhythm = RhythmOf(of_signal);
+    if (rhythm == Rhythm::kEveryRow && machine.signals[s].required) return std::nullopt;
+    if (rhythm != Rhythm::kHeld || !machine.signals[s].required) continue;
+    held.signals.push_back(s);
+    changes.push_back(std::move(of_signal));
+  }
+  if (held.signals.size() < 2) return std::nullopt;
+  std::vector<std::size_t> any;
+  for (const auto& rows : changes) any.insert(any.end(), rows.begin(), rows.end());
+  std::sort(any.begin(), any.end());
+  any.erase(std::unique(any.begin(), any.end()), any.end());
+  for (const auto& rows : changes)
+    if (static_cast<double>(rows.size()) < kTogether * static_cast<double>(any.size())) return std::nullopt;
+  std::vector<double> times;
+  for (const std::size_t row : any) times.push_back(head.time[row]);
+  held.period = SamplePeriodOf(times);
+  if (!(held.period > 0)) return std::nullopt;
+  const double rows = static_cast<double>(any.back() - any.front()) / static_cast<double>(any.size() - 1);
+  held.why = Tell(
+      "the logger repeats what it got: signals change together every {:.2g} rows only; the rows between are left out, which "
+      "leaves one every {:.3g} ms",
+      "der Logger wiederholt, was er bekam: Signale ändern sich gemeinsam nur alle {:.2g} Zeilen; die Zeilen dazwischen bleiben "
+      "weg, es bleibt eine alle {:.3g} ms",
+      rows, 1e3 * held.period);
+  return held;
+}
+
+std::unique_ptr<LogReader> WithoutHeldRows(std::unique_ptr<LogReader> reader, HeldRows held) {
+  return std::make_unique<NewRowsReader>(std::move(reader), std::move(held));
+}
+
+}  // namespace hydroscope
