@@ -91,6 +91,9 @@ struct ExplainOptions {
   /// Noise energy over the floor up to which noise that is but slightly coloured may pass for white: its test has a tolerance
   /// (SignalNoiseOptions), which a block of ten rows multiplies.
   double hidden_colour = 2.0;
+  /// ... and up to which an error that nothing predicts may be noise at all: AR(1) noise of 0.97 that is nine tenths of what
+  /// rows show raises the contrast over four rows by less than its test sees, and the energy of blocks of ten rows ninefold.
+  double any_colour = 10.0;
   /// Share and p-value of what can be predicted below which it is nothing.
   double nothing_share = 0.02, nothing_p = 0.05;
   /// Predictability::correlation, and EffectRanking::DesignEffect, of white sensor noise, for which the thresholds were
@@ -172,6 +175,9 @@ struct Explanation {
   /// With `unknown`: an effect explains part of the error. With a set: the data do not prove that it is one
   /// of the set, `doubt` says why.
   bool partial = false;
+  /// With `unknown`: nothing explains a part of what is left, and nothing predicts it: noise that is not white, or a law that no
+  /// function of the signals shows. `doubt` says so.
+  bool may_be_noise = false;
   Told doubt;
   Told no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do
   std::vector<Told> warnings;  ///< what makes the result doubtful, a sentence each, for every output

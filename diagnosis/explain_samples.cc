@@ -175,9 +175,10 @@ void ObjectIfItGoesOn(std::span<const StrokeStretches> strokes, const WindowSamp
   const Whiteness left =
       WhitenessOf(ResidualsOf(out.model, strokes, window, ColumnWeights(*out.model, out.final)));
   if (!left.IsStructured()) return;
-  out.doubt = Tell("{:.0f} % of what it leaves goes on from block to block, as sensor noise does not",
-                   "{:.0f} % des Rests setzen sich von Block zu Block fort, was Sensorrauschen nicht tut",
-                   100 * left.share);
+  out.doubt =
+      Tell("{:.0f} % of what it leaves goes on from block to block, as white sensor noise does not",
+           "{:.0f} % des Rests setzen sich von Block zu Block fort, was weißes Sensorrauschen nicht tut",
+           100 * left.share);
   if (out.verdict == Verdict::kAdequate)
     out.verdict = Verdict::kUnknown;
   else
@@ -247,10 +248,24 @@ void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
   out.steps.resize(1);
 }
 
+bool NothingPredicts(const Predictability& left, const ExplainOptions& options) {
+  return left.tested && (left.share < options.nothing_share || left.p_value > options.nothing_p);
+}
+
 /// An error above the floor that nothing predicts, and so small that the noise test may have missed its colour.
 bool IsFloorToBlame(const Explanation& x, const ExplainOptions& options) {
-  return x.final_left.tested && x.final.excess_ratio + 1 < options.hidden_colour &&
-         (x.final_left.share < options.nothing_share || x.final_left.p_value > options.nothing_p);
+  return x.final.excess_ratio + 1 < options.hidden_colour && NothingPredicts(x.final_left, options);
+}
+
+/// That the model misses something is not said of an error that may be noise of another colour than what neighbouring rows show.
+void AllowForNoise(const ExplainOptions& options, Explanation& x) {
+  x.may_be_noise = x.verdict == Verdict::kUnknown && x.base.solved && x.set.empty() && !x.partial &&
+                   x.no_verdict.empty() && x.odd_strokes.empty() && x.remainder <= options.doubt_remainder &&
+                   1 + x.final.excess_ratio < options.any_colour && NothingPredicts(x.final_left, options);
+  if (x.may_be_noise && x.doubt.empty())
+    x.doubt = Tell("its energy is {:.2g} times that of the noise that neighbouring rows show",
+                   "seine Energie ist das {:.2g}-fache des Rauschens, das benachbarte Zeilen zeigen",
+                   1 + x.final.excess_ratio);
 }
 
 /// The explanation of the model as it is, whatever was added to it.
@@ -316,6 +331,7 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
   ExplainOptions options = asked;
   AddUntestable(*model, strokes, options.untestable);
   Explanation out = ExplainAsItIs(model, strokes, window, options);
+  AllowForNoise(options, out);
   if (!IsOwnMachine(*model)) DoubtTime(strokes, options, out);
   if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
   for (const std::string& id : options.start) {

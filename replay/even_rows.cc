@@ -11,6 +11,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsAtOnce = 1000;
+constexpr std::size_t kMostRows = 5'000'000;  // whose stamps are remembered, 40 MB
 // Rows that repeat the stamp before, from which on stamps are coarse; twice the readings of a row are no row of their own.
 constexpr double kCoarseShare = 0.1, kLargestShareOfCopies = 0.5;
 // Steps that differ by more from the middle one, and their share from which on stamps jitter.
@@ -368,6 +369,7 @@ Result<std::optional<EvenRows>> FindEvenRows(LogReader& log) {
     if (!rows) return tl::unexpected(rows.error());
     if (*rows == 0) break;
     stamps.Add(block);
+    if (stamps.times().size() > kMostRows) return std::nullopt;
   }
   const bool coarse = stamps.Coarse();
   if (!coarse && !(stamps.Jitter() && stamps.SmootherOverRows())) return std::nullopt;

@@ -28,7 +28,7 @@ struct EvenRows {
 bool MayBeEvenRows(const SampleBlock& head);
 
 /// Reads a log to its end. Nothing if its stamps are as good as even times, if rows are not even, or if the log is too short to
-/// tell. Whether coarse stamps belong to even rows is told by their distances from a straight line, which are not beyond one step
+/// tell, or longer than 5 million rows. Whether coarse stamps belong to even rows is told by their distances from a straight line, which are not beyond one step
 /// of the clock; whether stamps that jitter do, by the signals: those of even rows are smoother over the rows than over the
 /// stamps. Rows that are missing between even ones begin a new piece.
 Result<std::optional<EvenRows>> FindEvenRows(LogReader& log);

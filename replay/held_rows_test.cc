@@ -26,7 +26,8 @@ Machine MachineOf(const std::vector<bool>& required) {
 /// Rows 1 ms apart; signal s is noise that changes every `every[s]` rows, 0: never.
 class Logger : public LogReader {
  public:
-  Logger(std::vector<int> every, std::int64_t rows) : every_(std::move(every)), rows_(rows), value_(every_.size(), 5) {}
+  Logger(std::vector<int> every, std::int64_t rows)
+      : every_(std::move(every)), rows_(rows), value_(every_.size(), 5) {}
   Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
     const auto rows = std::min<std::size_t>(max_rows, static_cast<std::size_t>(rows_ - next_));
     block.Resize(every_.size(), rows);
@@ -73,20 +74,27 @@ TEST(HeldRows, AreLeftOut) {
   EXPECT_EQ(reader->counters().time_base, held->why);
   std::vector<double> times;
   SampleBlock block;
-  while (reader->Read(block, 301).value() > 0) times.insert(times.end(), block.time.begin(), block.time.end());
+  while (reader->Read(block, 301).value() > 0)
+    times.insert(times.end(), block.time.begin(), block.time.end());
   ASSERT_EQ(times.size(), 2500u);
   for (std::size_t k = 0; k < times.size(); ++k) ASSERT_NEAR(times[k], 4e-3 * static_cast<double>(k), 1e-9);
   EXPECT_EQ(reader->counters().rows, 2500);
   for (const std::int64_t flagged : reader->counters().flagged) EXPECT_EQ(flagged, 0);
 }
 
-TEST(HeldRows, AreNoneWhereANeededSignalChangesFromRowToRow) { EXPECT_FALSE(Find({4, 4, 1}, {true, true, true})); }
+TEST(HeldRows, AreNoneWhereANeededSignalChangesFromRowToRow) {
+  EXPECT_FALSE(Find({4, 4, 1}, {true, true, true}));
+}
 
 TEST(HeldRows, ASignalThatStandsStillAloneIsLate) { EXPECT_FALSE(Find({4, 0, 1}, {true, true, false})); }
 
-TEST(HeldRows, SignalsThatChangeByTurnsAreNotHeldTogether) { EXPECT_FALSE(Find({4, 6, 1}, {true, true, false})); }
+TEST(HeldRows, SignalsThatChangeByTurnsAreNotHeldTogether) {
+  EXPECT_FALSE(Find({4, 6, 1}, {true, true, false}));
+}
 
-TEST(HeldRows, SlowSignalsThatNobodyNeedsAreNotHeard) { EXPECT_FALSE(Find({1, 10, 10}, {true, false, false})); }
+TEST(HeldRows, SlowSignalsThatNobodyNeedsAreNotHeard) {
+  EXPECT_FALSE(Find({1, 10, 10}, {true, false, false}));
+}
 
 }  // namespace
 }  // namespace hydroscope

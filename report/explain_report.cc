@@ -46,6 +46,7 @@ std::string Headline(const ExplainResult& result) {
       return "△ The model lacks something; these strokes cannot tell which of several effects";
     case Verdict::kUnknown:
       if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
+      if (x.may_be_noise) return "? The error is more than the noise that rows show, and nothing predicts it";
       return "? The model lacks something that no effect of the library explains";
   }
   return "";
@@ -216,6 +217,7 @@ void AddExplanation(const ExplainResult& result, const std::string& lead, Report
   const bool adequate = result.explanation.verdict == Verdict::kAdequate;
   report.explanation_verdict = VerdictBox(result, lead);
   if (result.explanation.no_verdict.empty()) report.misses = !adequate;
+  report.may_be_noise = result.explanation.may_be_noise;
   report.explanation_leads = !adequate;
   report.explanation = ExplainSections(result, false);
 }

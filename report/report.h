@@ -47,6 +47,7 @@ struct ReportInput : RecordedHistory {
   std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
   std::optional<bool>
       misses;  ///< whether the explanation finds that the model misses something; nothing = no verdict
+  bool may_be_noise = false;    ///< Explanation::may_be_noise
   std::string program_version;  ///< "" = not shown
   std::string created;          ///< date and time as text, "" = not shown
   /// One sentence about a parameter the report does not know by itself, shown in the glossary.

@@ -316,7 +316,12 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
   if (!(errors.floor > 0) || !(errors.rms > 0)) return;
   const double ratio = errors.rms / errors.floor;
   const std::string times = FormatFixed(ratio, ratio < 10 ? 1 : 0);
-  if (ratio <= 1.3 && input.misses.value_or(false))
+  if (input.may_be_noise)
+    out.push_back(fmt::format(
+        "The model error is {} times what the noise between neighbouring rows would leave, and nothing predicts it: the noise "
+        "is not white, or the model misses something and the parameters may have absorbed part of it.",
+        times));
+  else if (ratio <= 1.3 && input.misses.value_or(false))
     out.push_back(fmt::format(
         "The model error is {} times what sensor noise alone leaves; single flows hardly show it, but summed "
         "over the {} the model misses something, and the parameters may have absorbed part of it.",

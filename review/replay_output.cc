@@ -114,7 +114,7 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
         counted.many, outcome.figures.rms_holdout * unit.factor, unit.name,
         outcome.figures.noise_floor * unit.factor, unit.name);
   if (outcome.figures.strokes > 0)
-    if (const ModelHeadline headline = HeadlineOf(outcome.figures, false);
+    if (const ModelHeadline headline = HeadlineOf(outcome.figures, ErrorFinding::kNoise);
         headline.standing == ModelStanding::kNotJudged)
       text += headline.text + "\n";
   return text;

@@ -13,9 +13,10 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPeriod = 0.01;  ///< s
-constexpr double kArea = 5.2e-4;  ///< m^2
-constexpr double kOffset = 1.0;   ///< N
+constexpr double kLastingPart = 0.85;  // from row to row
+constexpr double kPeriod = 0.01;       ///< s
+constexpr double kArea = 5.2e-4;       ///< m^2
+constexpr double kOffset = 1.0;        ///< N
 
 struct Law {
   const char* id;
@@ -190,8 +191,14 @@ LogStrokes OwnMachineStrokes(const OwnMachineCase& simulated, const Machine& mac
   for (const Course& course : courses) {
     std::vector<double> force;
     const double common = simulated.unmodelled * normal(random);
+    double lasting = 0;
     for (std::size_t k = 0; k < course.p.size(); ++k) {
       double f = kArea * course.p[k] + kOffset + common + simulated.noise * normal(random);
+      if (simulated.lasting > 0) {
+        lasting = kLastingPart * lasting +
+                  std::sqrt(1 - kLastingPart * kLastingPart) * simulated.lasting * normal(random);
+        f += lasting;
+      }
       for (const std::string& id : simulated.hidden)
         f +=
             simulated.size / Rms(courses, LawOf(id)) * LawOf(id).value(course.p[k], course.v[k], course.x[k]);

@@ -16,6 +16,7 @@ struct OwnMachineCase {
   double size = 3.0;                ///< N, rms that each of them has on average
   double noise = 0.3;               ///< N, of the force
   double unmodelled = 0.0;          ///< N, an error that all samples of a stroke share
+  double lasting = 0.0;             ///< N, noise of the force that goes on from row to row: AR(1) of 0.85
   int strokes = 40;
   std::uint64_t seed = 1;
 };

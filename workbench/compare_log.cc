@@ -69,6 +69,7 @@ void JudgeOnLogs(CompareResult& out) {
 
 void TakeVerdict(const Explanation& explanation, CompareResult& out) {
   out.verdict = explanation.verdict;
+  out.may_be_noise = explanation.may_be_noise;
   out.no_verdict = explanation.no_verdict;
   out.warnings = InEnglish(explanation.warnings);
   std::erase(out.warnings, out.no_verdict.english);  // the headline says it

@@ -61,8 +61,9 @@ struct CompareResult {
   std::vector<std::string> warnings;     ///< what makes the result doubtful, a sentence each
   std::optional<HeldOutError> held_out;  ///< on the log that was held out
   std::optional<Verdict>
-      verdict;      ///< that `explain` gives on these strokes; nothing if they are too few for it
-  Told no_verdict;  ///< why `explain` gives none, "" if it does (Explanation::no_verdict)
+      verdict;                ///< that `explain` gives on these strokes; nothing if they are too few for it
+  bool may_be_noise = false;  ///< Explanation::may_be_noise
+  Told no_verdict;            ///< why `explain` gives none, "" if it does (Explanation::no_verdict)
 
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;

@@ -167,7 +167,10 @@ std::string CorrelationsText(const CompareResult& result) {
 ModelHeadline HeadlineOfComparison(const CompareResult& result) {
   const bool misses = result.MissesSomething();
   const Told no_verdict = result.verdict || misses ? result.no_verdict : TooFewForVerdict(result.strokes);
-  return HeadlineOf(result.model.figures, misses, no_verdict, CountedWordsOf(result.log.machine));
+  const ErrorFinding found = result.may_be_noise ? ErrorFinding::kMayBeNoise
+                             : misses            ? ErrorFinding::kMore
+                                                 : ErrorFinding::kNoise;
+  return HeadlineOf(result.model.figures, found, no_verdict, CountedWordsOf(result.log.machine));
 }
 
 std::vector<std::string> Warnings(const CompareResult& result) {

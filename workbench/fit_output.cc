@@ -85,7 +85,7 @@ std::string FitText(const FitResult& result) {
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
-  const ModelHeadline headline = HeadlineOf(result.fit, result.suspicion.suspected);
+  const ModelHeadline headline = HeadlineOf(result.fit, ErrorFinding::kNoise);
   if (headline.standing == ModelStanding::kNotJudged) text += headline.text + "\n";
   return text + SuspicionText(result.suspicion);
 }

@@ -33,6 +33,11 @@ std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
 
 std::string Sentence(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
+  if (x.may_be_noise)
+    return fmt::format(
+        "the error is more than the noise that rows show, and nothing predicts it: the noise is not white, or the model misses "
+        "something, and then {}",
+        kAbsorb);
   if (x.verdict == Verdict::kUnknown)
     return fmt::format("the model misses something that no known effect explains; {}", kAbsorb);
   std::vector<std::string> groups;

@@ -59,14 +59,18 @@ Told ImpossibleFigures(const GramFit& f) {
   return {};
 }
 
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const Told& no_verdict,
+ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told& no_verdict,
                          const CountedWords& counted) {
   std::string why = ImpossibleFigures(figures).english;
   if (why.empty()) why = no_verdict.english;
   if (!why.empty())
     return {ModelStanding::kNotJudged,
             fmt::format("The model cannot be judged on these {}: {}.", counted.many, why)};
-  if (misses)
+  if (found == ErrorFinding::kMayBeNoise)
+    return {ModelStanding::kMisses,
+            fmt::format("The error is more than the noise that rows show, and nothing predicts it. {}",
+                        kMayBeNoise.english)};
+  if (found == ErrorFinding::kMore)
     return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
   return {ModelStanding::kDescribes,
           fmt::format("The model describes these {} down to the sensor noise.", counted.many)};

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/told.h"
 #include "estimation/gram_fit.h"
 #include "models/counted_words.h"
 
@@ -14,6 +15,20 @@ enum class ModelStanding {
   kNotJudged,  ///< the figures contradict themselves or carry no judgement
 };
 
+/// What an error above the noise that rows show may be where nothing predicts it, and how to tell; sentences.
+inline constexpr Wording kMayBeNoise = {
+    "It may be noise that is not white, or a law that no function of the signals shows. Record strokes at half the speed and "
+    "half the load: noise stays as large, a law does not.",
+    "Es kann Rauschen sein, das nicht weiß ist, oder ein Gesetz, das keine Funktion der Signale zeigt. Hübe mit halber "
+    "Geschwindigkeit und halber Last aufzeichnen: Rauschen bleibt so groß, ein Gesetz nicht."};
+
+/// What a command found beyond the noise of the sensors.
+enum class ErrorFinding {
+  kNoise,       ///< nothing
+  kMore,        ///< something
+  kMayBeNoise,  ///< an error that nothing predicts (Explanation::may_be_noise)
+};
+
 struct ModelHeadline {
   ModelStanding standing = ModelStanding::kNotJudged;
   std::string text;  ///< one sentence
@@ -24,10 +39,10 @@ struct ModelHeadline {
 /// that is kUnstable times that on the strokes of the fit.
 Told ImpossibleFigures(const GramFit& figures);
 
-/// Every sentence in which a command says how well a model describes its strokes comes from here: `misses` is
-/// the command's own finding, which only possible figures can carry, and no strokes that carry no verdict (`no_verdict` says
+/// Every sentence in which a command says how well a model describes its strokes comes from here: `found` is
+/// the command's own, which only possible figures can carry, and no strokes that carry no verdict (`no_verdict` says
 /// why, "" = they do).
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const Told& no_verdict = {},
+ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told& no_verdict = {},
                          const CountedWords& counted = {});
 
 }  // namespace hydroscope

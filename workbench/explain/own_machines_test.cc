@@ -6,11 +6,13 @@
 #include "diagnosis/subset_search.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_output.h"
+#include "workbench/fit_suspicion.h"
 
 namespace hydroscope {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 ExplainResult Explained(const OwnMachineCase& simulated, std::vector<std::string> added = {}) {
@@ -60,6 +62,35 @@ TEST(OwnMachines, WhatIsNamedLowersTheErrorStepByStep) {
             .explanation;
     if (x.set.empty()) continue;
     EXPECT_LT(x.final.rms_holdout, x.base.rms_holdout) << seed;
+  }
+}
+
+/// Noise that goes on from row to row is a tenth of what rows show, and most of what blocks of them do.
+TEST(OwnMachines, AnErrorThatNothingPredictsMayBeNoiseAndIsNotCalledMissing) {
+  int unknown = 0;
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    const ExplainResult result = Explained({.hidden = {}, .noise = 0.3, .lasting = 0.3, .seed = seed});
+    EXPECT_TRUE(result.explanation.set.empty()) << seed;
+    if (result.explanation.verdict != Verdict::kUnknown) continue;
+    ++unknown;
+    EXPECT_TRUE(result.explanation.may_be_noise) << seed;
+    EXPECT_THAT(ExplainText(result), Not(HasSubstr("misses something")));
+    EXPECT_THAT(ExplainText(result), HasSubstr("half the speed"));
+    EXPECT_THAT(SuspicionText(SuspicionOf(result)), HasSubstr("the noise is not white, or the model misses"));
+  }
+  EXPECT_GT(unknown, 0);
+}
+
+/// Of signals that the model does not read nothing can be predicted.
+TEST(OwnMachines, AnErrorThatIsMuchMoreThanRowsShowIsNoNoise) {
+  Machine machine = OwnMachine();
+  machine.user_effects.clear();
+  for (std::uint64_t seed = 1; seed < 4; ++seed) {
+    const auto result = ExplainStrokes(
+        OwnMachineStrokes({.hidden = {"coulomb"}, .noise = 0.3, .lasting = 0.3, .seed = seed}, machine));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown) << seed;
+    EXPECT_FALSE(result->explanation.may_be_noise) << seed;
   }
 }
 

@@ -188,6 +188,7 @@ export const de: Words = {
   named: "Dem Modell fehlt:",
   ambiguous: "Dem Modell fehlt etwas, und diese <Hübe|Episoden> können nicht sagen, was hiervon es ist:",
   unknown: "Dem Modell fehlt etwas, und nichts in der Bibliothek erklärt es.",
+  mayBeNoise: "Der Fehler ist mehr als das Rauschen, das Zeilen zeigen, und nichts sagt ihn voraus. Es kann Rauschen sein, das nicht weiß ist, oder ein Gesetz, das keine Funktion der Signale zeigt. <Hübe|Episoden> mit halber Geschwindigkeit und halber Last aufzeichnen: Rauschen bleibt so groß, ein Gesetz nicht.",
   partial: "Nicht bewiesen: {why}.",
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Episoden> {before}; damit {after}; Sensorrauschen allein {noise}.",
   verdictError: "Fehler auf ausgelassenen <Hüben|Episoden> {before}; Sensorrauschen allein {noise}.",

@@ -23,7 +23,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
-      <p class="headline" data-verdict={explain.verdict}>{say(explain.verdict)}</p>
+      <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.verdict)}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.doubt && <p>{say("partial", { why: "" }).replace(/[.:]?\s*\.?$/, ": ")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
