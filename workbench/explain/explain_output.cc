@@ -19,6 +19,7 @@
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "workbench/explain/drift_text.h"
+#include "workbench/explain/headline.h"
 #include "workbench/explain/located_output.h"
 #include "workbench/explain/relative_text.h"
 #include "workbench/explain/what_to_record.h"
