@@ -26,7 +26,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.verdict)}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
-      {explain.doubt && <p>{say("partial", { why: "" }).replace(/[.:]?\s*\.?$/, ": ")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
+      {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
