@@ -122,11 +122,9 @@ std::optional<HeldRows> FindHeldRows(const SampleBlock& head, const Machine& mac
   if (!(held.period > 0)) return std::nullopt;
   const double rows = static_cast<double>(any.back() - any.front()) / static_cast<double>(any.size() - 1);
   held.why = Tell(
-      "the logger repeats what it got: signals change together every {:.2g} rows only; the rows between are left out, which "
-      "leaves one every {:.3g} ms",
-      "der Logger wiederholt, was er bekam: Signale ändern sich gemeinsam nur alle {:.2g} Zeilen; die Zeilen dazwischen bleiben "
-      "weg, es bleibt eine alle {:.3g} ms",
-      rows, 1e3 * held.period);
+      "the logger repeats what it got: signals change together every {:.2g} rows only; the rows between are left out",
+      "der Logger wiederholt, was er bekam: Signale ändern sich gemeinsam nur alle {:.2g} Zeilen; die Zeilen dazwischen bleiben weg",
+      rows);
   return held;
 }
 
