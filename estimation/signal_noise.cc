@@ -184,7 +184,8 @@ void JudgeContrasts(const RowContrasts& contrasts, double period, const SignalNo
   const bool stronger = !motion && (pairs.ClearlyAbove(tolerated, p) ||
                                     (four_rows && fours.ClearlyAbove(options.motion_trace, p)));
   noise.seen_at_rest = noise.ratio <= options.motion_ratio && !beyond_stated;
-  if (!noise.seen_at_rest || moves)
+  const bool motion_or_colour = motion && pairs.ClearlyAbove(options.motion_trace, p);
+  if (!noise.seen_at_rest || moves || motion_or_colour)
     DescribeMotion(period, beyond_stated, noise);
   else if (stronger || pairs.ClearlyBelow(1 / tolerated, p))
     DescribeColour(stronger, noise);

@@ -53,6 +53,11 @@ TEST(SignalNoise, SeesFilteredNoiseInTenThousandRowsFromPhi03On) {
   for (const double phi : {0.5, 0.8, 0.95}) EXPECT_GE(Accused(phi, 20, 300), 18) << phi;
 }
 
+/// What is there over two rows and not over one may be either: the rows do not show white noise.
+TEST(SignalNoise, MotionDoesNotHideThatItMayBeFiltered) {
+  for (const double swing : {5e3, 1e4, 2e4}) EXPECT_EQ(Accused(0.85, 20, swing), 20) << swing;
+}
+
 TEST(SignalNoise, GivesTheNoiseWithItsBand) {
   const SignalNoise noise = Judged(Strokes(7, 0));
   EXPECT_NEAR(noise.std, 1, 0.04);
