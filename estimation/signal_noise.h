@@ -68,8 +68,8 @@ struct SignalNoiseOptions {
   /// Growth of what exceeds white noise from pairs to four rows beyond which it is motion (8 for a corner, 32
   /// for curvature), not filtered noise (first order: up to 4.7).
   double motion_growth = 6;
-  /// Energy over four rows, in that of single rows, that a trace of motion may have; over two rows, where more may be motion or
-  /// filtered noise.
+  /// Energy over four rows, in that of single rows, that a trace of motion may have. More than that over two rows of a signal
+  /// that moves may be motion or filtered noise.
   double motion_trace = 1.5;
   /// By how much the energy of all rows may exceed that of quiet ones: half of what a floor may be off by.
   double motion_share = 1.075;

@@ -43,8 +43,8 @@ Result<SampleBlock> ReadRows(const std::string& log, const Machine& machine, Epi
   if (!pass) return tl::unexpected(pass.error());
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
   out.period = (*reader)->SamplePeriod();
-  if (const Told& even = (*reader)->counters().time_base; !even.empty())
-    out.warnings.push_back(Tell("{}: {}", "{}: {}", log, even));
+  if (const Told& times = (*reader)->counters().time_base; !times.empty())
+    out.warnings.push_back(Tell("{}: {}", "{}: {}", log, times));
   out.rows += static_cast<std::int64_t>(rows.time.size());
   out.pass = std::move(*pass);
   return rows;

@@ -209,9 +209,9 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
                                                  double period, std::string& note) {
   auto reader = OpenRecording(log, machine);
   if (!reader) return reader;
-  const std::string even = (*reader)->counters().time_base.english;
+  const std::string times = (*reader)->counters().time_base.english;
   reader = AtPeriod(std::move(*reader), period, note);
-  if (!even.empty()) note = note.empty() ? even : even + "; " + note;
+  if (!times.empty()) note = note.empty() ? times : times + "; " + note;
   return reader;
 }
 

@@ -4,14 +4,9 @@
 #include <bit>
 
 #include "core/quality.h"
+#include "replay/time_check.h"
 
 namespace hydroscope {
-namespace {
-
-/// Rows that repeat a time stamp, beyond which they are no exception.
-constexpr double kCoarseShare = 0.1;
-
-}  // namespace
 
 Told CoarseTimeStamps(const LogCounters& read, std::size_t signals) {
   constexpr int kBit = std::countr_zero(static_cast<unsigned>(quality::kDuplicate));

@@ -5,8 +5,9 @@
 
 namespace hydroscope {
 
-/// Why rows have no times of their own, where a tenth or more repeats the time stamp of the row before: stamps that are coarser
-/// than the rows, or were taken when they were stored. "" if they do not. `signals` of the machine, each of whose values carries the mark of its row's stamp.
+/// Why rows have no times of their own, where many (kCoarseShare) repeat the time stamp of the row before: stamps that are
+/// coarser than the rows, or tell when these were stored. "" if they do not. `signals` of the machine, each of whose values
+/// carries the mark of its row's stamp.
 Told CoarseTimeStamps(const LogCounters& read, std::size_t signals);
 
 }  // namespace hydroscope

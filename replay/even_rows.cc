@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/quantile.h"
+#include "replay/retimed_reader.h"
 #include "replay/time_check.h"
 
 namespace hydroscope {
@@ -12,24 +12,13 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 1000;
 constexpr std::size_t kMostRows = 5'000'000;  // whose stamps are remembered, 40 MB
-// Rows that repeat the stamp before, from which on stamps are coarse; twice the readings of a row are no row of their own.
-constexpr double kCoarseShare = 0.1, kLargestShareOfCopies = 0.5;
+// Of rows that repeat the stamp before: so many may have its readings too, which are no rows of their own.
+constexpr double kLargestShareOfCopies = 0.5;
 // Steps that differ by more from the middle one, and their share from which on stamps jitter.
 constexpr double kUnevenStep = 0.15, kUnevenShare = 0.2;
-// Steps of the clock that are a break.
-constexpr double kBreak = 5.0;
-// A window holds so many rows, and so many steps of a coarse clock; fewer windows tell no period.
-constexpr double kWindowRows = 200, kWindowSteps = 8;
-constexpr std::size_t kLeastWindows = 4;
-// Of a period, by which the rows before and after a missing one are displaced at least.
-constexpr double kDisplaced = 0.6, kDisplacedSpreads = 6.0;
-// Breaks between windows up to which rows are even.
-constexpr double kLargestShareOfBreaks = 0.25;
-// How far stamps may lie from their line, in the spread that windows show.
-constexpr double kOffTheLine = 1.6;
+constexpr double kNoJitter = 5.0;  // middle steps, from which on rows are missing
 // Standard deviations by which signals must be smoother over even rows.
 constexpr double kSmoother = 6.0;
-constexpr double kMedianAbsolute = 0.6745;  // of a normal variable, in standard deviations
 
 /// Energy that the middle one of three rows leaves beside the straight line through its neighbours, once as if rows were even
 /// and once by the stamps: each in variances of white noise, so that noise alone gives twice the same.
@@ -65,27 +54,15 @@ class Stamps {
     return repeated_ >= kCoarseShare * rows && copies_ <= kLargestShareOfCopies * repeated_;
   }
   bool Jitter() const {
-    const double middle = MiddleStep();
+    const double middle = SamplePeriodOf(times_);
     std::int64_t uneven = 0, steps = 0;
     for (std::size_t k = 1; k < times_.size(); ++k) {
       const double step = times_[k] - times_[k - 1];
-      if (!(step >= 0) || step > kBreak * middle) continue;
+      if (!(step >= 0) || step > kNoJitter * middle) continue;
       ++steps;
       uneven += std::abs(step - middle) > kUnevenStep * middle;
     }
     return static_cast<double>(uneven) > kUnevenShare * static_cast<double>(steps);
-  }
-  /// The middle one of the steps forward, s.
-  double MiddleStep() const {
-    std::vector<double> steps;
-    for (std::size_t k = 1; k < times_.size(); ++k)
-      if (times_[k] > times_[k - 1]) steps.push_back(times_[k] - times_[k - 1]);
-    return Median(std::move(steps), kNaN);
-  }
-  double RowsPerStep() const {
-    std::int64_t steps = 1;
-    for (std::size_t k = 1; k < times_.size(); ++k) steps += times_[k] > times_[k - 1];
-    return static_cast<double>(times_.size()) / static_cast<double>(steps);
   }
   double RepeatedShare() const { return repeated_ / static_cast<double>(times_.size()); }
   bool SmootherOverRows() const {
@@ -123,215 +100,21 @@ class Stamps {
   double repeated_ = 0, copies_ = 0;  ///< rows with the stamp of the row before; those with its values too
 };
 
-/// Rows [begin, end) of one time base.
-struct Span {
-  std::size_t begin = 0, end = 0;
-};
-
-/// Finds the line that the stamps of even rows lie about.
-class LineThroughStamps {
- public:
-  explicit LineThroughStamps(const Stamps& stamps)
-      : t_(stamps.times()),
-        clock_(stamps.MiddleStep()),
-        window_(static_cast<std::size_t>(std::max(kWindowRows, kWindowSteps * stamps.RowsPerStep()))) {}
-
-  /// Nothing if they lie about none.
-  std::optional<EvenRows> Find() {
-    SplitAtBreaks();
-    FirstPeriod();
-    if (!(period_ > 0)) return std::nullopt;
-    for (int round = 0; round < 2; ++round) CorrectPeriod();
-    SplitWhereRowsAreMissing();
-    if (static_cast<double>(spans_.size()) > 1 + kLargestShareOfBreaks * static_cast<double>(windows_))
-      return std::nullopt;
-    PeriodOfAll();
-    EvenRows rows;
-    rows.period = period_;
-    const double spread = SpreadOfWindows();
-    for (const Span& span : spans_) {
-      double sum = 0, low = kInfinity, high = -kInfinity;
-      for (std::size_t k = span.begin; k < span.end; ++k) {
-        const double off = t_[k] - period_ * static_cast<double>(k - span.begin);
-        sum += off;
-        low = std::min(low, off);
-        high = std::max(high, off);
-      }
-      if (high - low > kOffTheLine * spread + period_) return std::nullopt;
-      rows.pieces.push_back(
-          {static_cast<std::int64_t>(span.begin), sum / static_cast<double>(span.end - span.begin)});
-    }
-    for (std::size_t k = 1; k < rows.pieces.size(); ++k)
-      rows.pieces[k].time =
-          std::max(rows.pieces[k].time,
-                   rows.pieces[k - 1].time +
-                       period_ * static_cast<double>(rows.pieces[k].first - rows.pieces[k - 1].first));
-    return rows;
-  }
-
- private:
-  void SplitAtBreaks() {
-    std::size_t begin = 0;
-    for (std::size_t k = 1; k < t_.size(); ++k) {
-      const double step = t_[k] - t_[k - 1];
-      if (step <= kBreak * clock_ && step >= -clock_) continue;
-      spans_.push_back({begin, k});
-      begin = k;
-    }
-    if (begin < t_.size()) spans_.push_back({begin, t_.size()});
-  }
-
-  /// Calls `take` with the begin of every whole window of every span.
-  template <class Take>
-  void ForWindows(Take&& take) const {
-    for (const Span& span : spans_)
-      for (std::size_t at = span.begin; at + window_ <= span.end; at += window_) take(span, at);
-  }
-
-  /// Mean distance of a window's stamps from rows `period_` apart that begin with row 0 at 0 s.
-  double Phase(std::size_t at) const {
-    double sum = 0;
-    for (std::size_t k = at; k < at + window_; ++k) sum += t_[k] - t_[at];
-    const double middle = 0.5 * static_cast<double>(window_ - 1);
-    return t_[at] - period_ * (static_cast<double>(at) + middle) + sum / static_cast<double>(window_);
-  }
-
-  /// Differences of phase between neighbouring windows.
-  std::vector<double> Wander() const {
-    std::vector<double> wander;
-    double before = kNaN;
-    ForWindows([&](const Span& span, std::size_t at) {
-      const double phase = Phase(at);
-      if (at != span.begin) wander.push_back(phase - before);
-      before = phase;
-    });
-    return wander;
-  }
-
-  void FirstPeriod() {
-    period_ = 0;
-    const auto rows = static_cast<double>(window_);
-    windows_ = 0;
-    ForWindows([&](const Span&, std::size_t) { ++windows_; });
-    if (windows_ < kLeastWindows) return;
-    period_ = Median(Wander(), kNaN) / rows;
-  }
-  void CorrectPeriod() { period_ += Median(Wander(), kNaN) / static_cast<double>(window_); }
-
-  /// Where the phase moves from the window before a window to the one behind it by most of a period or more, rows are missing.
-  void SplitWhereRowsAreMissing() {
-    std::vector<double> spread;
-    for (const double step : Wander()) spread.push_back(std::abs(step));
-    const double least =
-        std::max(kDisplaced * period_, kDisplacedSpreads * Median(std::move(spread), kNaN) / kMedianAbsolute);
-    std::vector<Span> split;
-    for (const Span& span : spans_) {
-      std::size_t begin = span.begin;
-      const auto displaced = [&](std::size_t at) {
-        return at >= begin + window_ && at + 2 * window_ <= span.end
-                   ? std::abs(Phase(at + window_) - Phase(at - window_))
-                   : 0.0;
-      };
-      for (std::size_t at = span.begin + window_; at + 2 * window_ <= span.end; at += window_) {
-        if (displaced(at) < least || displaced(at + window_) > displaced(at)) continue;
-        const std::size_t missing = PlaceOfStep(at - window_, at + 2 * window_);
-        split.push_back({begin, missing});
-        begin = missing;
-        at += window_;
-      }
-      split.push_back({begin, span.end});
-    }
-    spans_ = std::move(split);
-  }
-
-  /// First row behind a step of the phase: where two means describe the stamps best.
-  std::size_t PlaceOfStep(std::size_t begin, std::size_t end) const {
-    const auto off = [&](std::size_t k) {
-      return t_[k] - t_[begin] - period_ * static_cast<double>(k - begin);
-    };
-    double all = 0, before = 0, best = -1;
-    for (std::size_t k = begin; k < end; ++k) all += off(k);
-    std::size_t place = begin + 1;
-    for (std::size_t k = begin + 1; k < end; ++k) {
-      before += off(k - 1);
-      const auto left = static_cast<double>(k - begin), right = static_cast<double>(end - k);
-      const double apart = before / left - (all - before) / right;
-      const double between = apart * apart * left * right;
-      if (between <= best) continue;
-      best = between;
-      place = k;
-    }
-    return place;
-  }
-
-  /// Least squares through all spans, each with a beginning of its own.
-  void PeriodOfAll() {
-    double rows_squared = 0, rows_times = 0;
-    for (const Span& span : spans_) {
-      const auto n = static_cast<double>(span.end - span.begin);
-      const double middle = 0.5 * (n - 1);
-      for (std::size_t k = span.begin; k < span.end; ++k) {
-        const double row = static_cast<double>(k - span.begin) - middle;
-        rows_times += row * (t_[k] - t_[span.begin]);
-      }
-      rows_squared += n * (n * n - 1) / 12;
-    }
-    period_ = rows_times / rows_squared;
-  }
-
-  double SpreadOfWindows() const {
-    std::vector<double> spreads;
-    ForWindows([&](const Span&, std::size_t at) {
-      double low = kInfinity, high = -kInfinity;
-      for (std::size_t k = at; k < at + window_; ++k) {
-        const double off = t_[k] - t_[at] - period_ * static_cast<double>(k - at);
-        low = std::min(low, off);
-        high = std::max(high, off);
-      }
-      spreads.push_back(high - low);
-    });
-    return Median(std::move(spreads), kNaN);
-  }
-
-  const std::vector<double>& t_;
-  double clock_;  ///< s
-  std::size_t window_;
-  std::vector<Span> spans_;
-  std::size_t windows_ = 0;
-  double period_ = 0;  ///< s
-};
-
-class EvenReader : public LogReader {
+class EvenReader : public RetimedReader {
  public:
   EvenReader(std::unique_ptr<LogReader> inner, EvenRows rows)
-      : inner_(std::move(inner)), even_(std::move(rows)), check_(even_.period) {
-    const Told& before = inner_->counters().time_base;
-    if (!before.empty()) even_.why = Tell("{}; {}", "{}; {}", before, even_.why);
-    counters_.time_base = even_.why;
-  }
-
-  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
-    const auto read = inner_->Read(block, max_rows);
-    for (std::size_t row = 0; row < block.rows(); ++row, ++next_) {
-      while (piece_ + 1 < even_.pieces.size() && next_ >= even_.pieces[piece_ + 1].first) ++piece_;
-      const EvenRows::Piece& piece = even_.pieces[piece_];
-      block.time[row] = piece.time + even_.period * static_cast<double>(next_ - piece.first);
-      for (auto& flags : block.quality) flags[row] &= static_cast<Quality>(~kOfTheTime);
-    }
-    check_.Check(block, of_time_);
-    counters_ = WithFlagsOfTime(inner_->counters(), of_time_);
-    counters_.time_base = even_.why;
-    return read;
-  }
-  double Progress() const override { return inner_->Progress(); }
-  double SamplePeriod() const override { return even_.period; }
-  const LogCounters& counters() const override { return counters_; }
+      : RetimedReader(std::move(inner), rows.period, rows.why), even_(std::move(rows)) {}
 
  private:
-  std::unique_ptr<LogReader> inner_;
+  void Retime(SampleBlock& block) override {
+    for (double& time : block.time) {
+      while (piece_ + 1 < even_.pieces.size() && next_ >= even_.pieces[piece_ + 1].first) ++piece_;
+      const StampLine::Piece& piece = even_.pieces[piece_];
+      time = piece.time + even_.period * static_cast<double>(next_++ - piece.first);
+    }
+  }
+
   EvenRows even_;
-  TimeChecker check_;
-  LogCounters counters_, of_time_;
   std::int64_t next_ = 0;  ///< row
   std::size_t piece_ = 0;
 };
@@ -373,9 +156,9 @@ Result<std::optional<EvenRows>> FindEvenRows(LogReader& log) {
   }
   const bool coarse = stamps.Coarse();
   if (!coarse && !(stamps.Jitter() && stamps.SmootherOverRows())) return std::nullopt;
-  auto rows = LineThroughStamps(stamps).Find();
-  if (rows) rows->why = WhyOf(stamps, coarse, rows->period);
-  return rows;
+  const auto line = LineThrough(stamps.times());
+  if (!line) return std::nullopt;
+  return EvenRows{*line, WhyOf(stamps, coarse, line->period)};
 }
 
 std::unique_ptr<LogReader> WithEvenTimes(std::unique_ptr<LogReader> reader, EvenRows rows) {

@@ -1,26 +1,17 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "core/told.h"
 #include "replay/log_reader.h"
+#include "replay/stamp_line.h"
 
 namespace hydroscope {
 
 /// Rows that were sampled at even intervals, though their time stamps do not show it: stamps coarser than the rows (10 ms, a
 /// whole second), or taken by a computer when it stored a row.
-struct EvenRows {
-  /// Rows one period after the other, up to the next piece.
-  struct Piece {
-    std::int64_t first = 0;  ///< row
-    double time = 0;         ///< s, of that row: stamps less their mean distance from a straight line
-  };
-
-  double period = 0;  ///< s
-  std::vector<Piece> pieces;
+struct EvenRows : StampLine {
   Told why;  ///< what is wrong with the stamps, and what is taken in their place
 };
 

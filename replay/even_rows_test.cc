@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -144,8 +145,7 @@ TEST(EvenRows, MissingRowsBecomeGaps) {
     SampleBlock block;
     while (reader->Read(block, 1000).value() > 0) {
     }
-    constexpr int kGapBit = 4;
-    static_assert(quality::kGap == 1 << kGapBit);
+    constexpr int kGapBit = std::countr_zero(static_cast<unsigned>(quality::kGap));
     EXPECT_EQ(reader->counters().flagged[kGapBit], 2 * 4);
     EXPECT_EQ(reader->counters().time_base, rows->why);
   }
@@ -155,7 +155,14 @@ TEST(EvenRows, AClockThatJumpsBeginsAnew) {
   const Log log = LogOf(0.002, 30000, [](double t) { return RoundedTo(0.01)(t) + (t > 70 ? -3600 : 0); });
   const auto rows = Find(log);
   ASSERT_TRUE(rows);
-  EXPECT_EQ(rows->pieces.size(), 2u);
+  ASSERT_EQ(rows->pieces.size(), 2u);
+  EXPECT_NEAR(rows->pieces[1].time, 70 - 3600, 0.1);
+  const auto reader = WithEvenTimes(std::make_unique<Reader>(log), *rows);
+  SampleBlock block;
+  while (reader->Read(block, 1000).value() > 0) {
+  }
+  constexpr int kJumpBit = std::countr_zero(static_cast<unsigned>(quality::kClockJump));
+  EXPECT_EQ(reader->counters().flagged[kJumpBit], 2);
 }
 
 TEST(EvenRows, AShortLogKeepsItsStamps) { EXPECT_FALSE(Find(LogOf(0.002, 700, RoundedTo(0.01)))); }

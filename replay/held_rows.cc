@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/quantile.h"
-#include "replay/time_check.h"
+#include "replay/retimed_reader.h"
 
 namespace hydroscope {
 namespace {
@@ -15,12 +15,13 @@ constexpr double kInRhythm = 0.8, kAtOnce = 0.1;
 // Of the rows in which one of the signals changes, in so many each of them does.
 constexpr double kTogether = 0.8;
 
+bool Differ(double a, double b) { return a != b && !(std::isnan(a) && std::isnan(b)); }
+
 /// Rows of a column in which it changes.
 std::vector<std::size_t> Changes(const std::vector<double>& column) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 1; row < column.size(); ++row)
-    if (column[row] != column[row - 1] && !(std::isnan(column[row]) && std::isnan(column[row - 1])))
-      rows.push_back(row);
+    if (Differ(column[row], column[row - 1])) rows.push_back(row);
   return rows;
 }
 
@@ -41,59 +42,36 @@ Rhythm RhythmOf(const std::vector<std::size_t>& changes) {
                                                                                        : Rhythm::kNone;
 }
 
-class NewRowsReader : public LogReader {
+class NewRowsReader : public RetimedReader {
  public:
   NewRowsReader(std::unique_ptr<LogReader> inner, HeldRows held)
-      : inner_(std::move(inner)), held_(std::move(held)), check_(held_.period) {
-    counters_.time_base = held_.why;
-  }
-
-  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
-    std::size_t kept = 0;
-    while (kept == 0) {
-      const auto read = inner_->Read(block, max_rows);
-      if (!read) return read;
-      if (*read == 0) break;
-      for (std::size_t row = 0; row < block.rows(); ++row)
-        if (IsNew(block, row)) Move(row, kept++, block);
-      block.Resize(block.signal.size(), kept);
-    }
-    check_.Check(block, of_time_);
-    given_ += static_cast<std::int64_t>(kept);
-    counters_ = WithFlagsOfTime(inner_->counters(), of_time_);
-    counters_.rows = given_;
-    counters_.time_base = held_.why;
-    return kept;
-  }
-  double Progress() const override { return inner_->Progress(); }
-  double SamplePeriod() const override { return held_.period; }
-  const LogCounters& counters() const override { return counters_; }
+      : RetimedReader(std::move(inner), held.period, held.why), signals_(std::move(held.signals)) {}
 
  private:
+  void Retime(SampleBlock& block) override {
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < block.rows(); ++row)
+      if (IsNew(block, row)) Move(row, kept++, block);
+    block.Resize(block.signal.size(), kept);
+  }
   bool IsNew(const SampleBlock& block, std::size_t row) {
     bool is_new = last_.empty();
-    last_.resize(held_.signals.size());
+    last_.resize(signals_.size());
     for (std::size_t k = 0; k < last_.size(); ++k) {
-      const double value = block.signal[held_.signals[k]][row];
-      is_new = is_new || (value != last_[k] && !(std::isnan(value) && std::isnan(last_[k])));
+      const double value = block.signal[signals_[k]][row];
+      is_new = is_new || Differ(value, last_[k]);
       last_[k] = value;
     }
     return is_new;
   }
   static void Move(std::size_t from, std::size_t to, SampleBlock& block) {
     block.time[to] = block.time[from];
-    for (std::size_t s = 0; s < block.signal.size(); ++s) {
-      block.signal[s][to] = block.signal[s][from];
-      block.quality[s][to] = block.quality[s][from] & static_cast<Quality>(~kOfTheTime);
-    }
+    for (auto& column : block.signal) column[to] = column[from];
+    for (auto& column : block.quality) column[to] = column[from];
   }
 
-  std::unique_ptr<LogReader> inner_;
-  HeldRows held_;
-  TimeChecker check_;
-  LogCounters counters_, of_time_;
-  std::vector<double> last_;  ///< values of the signals held, in the row before
-  std::int64_t given_ = 0;
+  std::vector<std::size_t> signals_;
+  std::vector<double> last_;  ///< their values in the row before
 };
 
 }  // namespace

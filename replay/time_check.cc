@@ -35,12 +35,6 @@ double SamplePeriodOf(const std::vector<double>& times) {
   return rate >= 1 && std::abs(rate * period - 1.0) < 1e-6 ? 1.0 / rate : period;
 }
 
-LogCounters WithFlagsOfTime(LogCounters read, const LogCounters& of_time) {
-  for (std::size_t bit = 0; bit < read.flagged.size(); ++bit)
-    if ((kOfTheTime >> bit) & 1) read.flagged[bit] = of_time.flagged[bit];
-  return read;
-}
-
 void TimeChecker::Check(SampleBlock& block, LogCounters& counters) {
   const std::size_t rows = block.rows();
   if (rows == 0) return;

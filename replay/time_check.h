@@ -11,12 +11,12 @@ namespace hydroscope {
 inline constexpr Quality kOfTheTime =
     quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
+/// Share of rows that repeat the time stamp of the row before, from which on stamps are coarser than rows.
+inline constexpr double kCoarseShare = 0.1;
+
 /// Nominal time between rows: mean of the differences within 0.5...1.5 times their median, taken as 1/n s if
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
-
-/// `read` with the flags of time that `of_time` counts in place of its own.
-LogCounters WithFlagsOfTime(LogCounters read, const LogCounters& of_time);
 
 /// Flags rows by their time stamps, on all channels of the row, independent of how rows are cut into blocks:
 ///   kDuplicate      the time of the row before again

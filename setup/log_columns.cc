@@ -6,11 +6,10 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
+#include "replay/time_check.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kCoarseClock = 0.1;  // share of rows that repeat the value of the row before
 
 /// A name that a machine file can hold and that leads back to this column, else the column's number.
 std::string ReferenceOf(const LogLayout& layout, std::size_t column) {
@@ -58,7 +57,7 @@ void Describe(LogColumn& column) {
   column.roughness = spread > 0 ? StandardDeviation(steps) / spread : 0;
   column.repeated = steps.empty() ? 0 : static_cast<double>(same) / static_cast<double>(steps.size());
   column.step = steps.empty() ? 0 : Quantile(steps, 0.5, kNaN);
-  if (column.repeated > kCoarseClock)
+  if (column.repeated >= kCoarseShare)
     if (const double step = StepOfCoarseClock(values); step > 0) column.step = step;
   column.low = Quantile(values, 0.01, kNaN);
   column.high = Quantile(values, 0.99, kNaN);
