@@ -198,8 +198,7 @@ class LineFinder {
     for (std::size_t k = 1; k < line.pieces.size(); ++k) {
       const StampLine::Piece& before = line.pieces[k - 1];
       StampLine::Piece& piece = line.pieces[k];
-      const double least =
-          before.time + period_ * static_cast<double>(piece.first - before.first + 1);
+      const double least = before.time + period_ * static_cast<double>(piece.first - before.first + 1);
       if (piece.time < least && piece.time > least - clock_ - period_) piece.time = least;
     }
   }

@@ -46,7 +46,7 @@ std::string Headline(const ExplainResult& result) {
       return "△ The model lacks something; these strokes cannot tell which of several effects";
     case Verdict::kUnknown:
       if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
-      if (x.may_be_noise) return "? The error is more than the noise that rows show, and nothing predicts it";
+      if (x.may_be_noise) return fmt::format("? Something is left: {}", kNothingPredicts);
       return "? The model lacks something that no effect of the library explains";
   }
   return "";
@@ -216,8 +216,10 @@ std::string VerdictBoxText(const ExplainResult& result) {
 void AddExplanation(const ExplainResult& result, const std::string& lead, ReportInput& report) {
   const bool adequate = result.explanation.verdict == Verdict::kAdequate;
   report.explanation_verdict = VerdictBox(result, lead);
-  if (result.explanation.no_verdict.empty()) report.misses = !adequate;
-  report.may_be_noise = result.explanation.may_be_noise;
+  if (result.explanation.no_verdict.empty())
+    report.found = adequate                          ? ErrorFinding::kNoise
+                   : result.explanation.may_be_noise ? ErrorFinding::kMayBeNoise
+                                                     : ErrorFinding::kMore;
   report.explanation_leads = !adequate;
   report.explanation = ExplainSections(result, false);
 }

@@ -11,6 +11,7 @@
 #include "core/time_text.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "report/error_words.h"
 #include "report/report_page.h"
 #include "report/report_plots.h"
 #include "report/report_words.h"

@@ -9,6 +9,7 @@
 #include "core/alarm_records.h"
 #include "core/result.h"
 #include "core/units.h"
+#include "workbench/explain/headline.h"
 #include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
@@ -45,11 +46,9 @@ struct ReportInput : RecordedHistory {
   std::int64_t rows = 0;                    ///< rows read
   double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
   std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
-  std::optional<bool>
-      misses;  ///< whether the explanation finds that the model misses something; nothing = no verdict
-  bool may_be_noise = false;    ///< Explanation::may_be_noise
-  std::string program_version;  ///< "" = not shown
-  std::string created;          ///< date and time as text, "" = not shown
+  std::optional<ErrorFinding> found;  ///< by the explanation; nothing = no verdict
+  std::string program_version;        ///< "" = not shown
+  std::string created;                ///< date and time as text, "" = not shown
   /// One sentence about a parameter the report does not know by itself, shown in the glossary.
   std::map<std::string, std::string> parameter_notes;
 };

@@ -127,13 +127,15 @@ TEST(FormatReport, NamesTheChangedParameterButNoCause) {
 TEST(FormatReport, SaysOfTheModelWhatTheExplanationFound) {
   ReportInput input = ReportFixture{}.Make();
   EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "about down to what sensor noise leaves"));
-  input.misses = true;
+  input.found = ErrorFinding::kMore;
   const std::string missing = VerdictText(FormatReport(input));
   EXPECT_TRUE(Has(missing, "the model misses something")) << missing;
   EXPECT_FALSE(Has(missing, "about down to what sensor noise leaves"));
   input.rms_holdout = 3 * 0.31 / 6e4;
-  input.misses = false;
-  EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "the noise is not white"));
+  input.found = ErrorFinding::kNoise;
+  EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "the noise is not white."));
+  input.found = ErrorFinding::kMayBeNoise;
+  EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "the noise is not white, or the model misses something"));
   input.not_judged = "the model gives 0 throughout";
   const std::string impossible = VerdictText(FormatReport(input));
   EXPECT_TRUE(Has(impossible, "cannot be judged on these strokes: the model gives 0 throughout"));

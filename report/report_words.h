@@ -41,10 +41,4 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& ana
                               const std::vector<ParameterInfo>& infos,
                               const std::vector<ParameterWords>& words);
 
-/// Flow errors of the whole record in m^3/s, as given or the medians over the strokes; 0 if unknown.
-struct FlowErrors {
-  double rms = 0, floor = 0;
-};
-FlowErrors OverallErrors(const ReportInput& input);
-
 }  // namespace hydroscope

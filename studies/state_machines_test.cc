@@ -1,11 +1,13 @@
 #include "studies/state_machines.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
 
 #include "diagnosis/states/held_out_run.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {
@@ -214,6 +216,23 @@ std::string ExampleOfTheDocs() {
   while (std::getline(file, line) && !line.starts_with("    hydroscope"))
     if (line.starts_with("    ")) text += line.substr(4) + "\n";
   return text;
+}
+
+TEST(StateMachines, ALawThatMayBeMissingIsToldByCompareAsByExplain) {
+  EpisodeLog log;
+  log.machine = ParseMachine(ExampleOfTheDocs(), "state_models.md").value();
+  log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kTanks, "", 3, 600}), log.machine)};
+  auto fit = FitEpisodes(std::move(log));
+  ASSERT_TRUE(fit) << fit.error().text;
+  fit->left.structured = false;
+  fit->left.doubtful = true;
+  const auto told = [&](double one_step) {
+    fit->error.one_step = one_step * fit->error.rms;
+    return CompareText(*fit);
+  };
+  EXPECT_THAT(told(0.7), testing::HasSubstr("Something may be missing"));
+  EXPECT_THAT(told(0.7), testing::HasSubstr("WARNING"));
+  EXPECT_THAT(told(0.99), testing::HasSubstr("noise alone is left"));
 }
 
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {

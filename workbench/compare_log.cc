@@ -85,11 +85,14 @@ std::size_t CompareResult::WorstStroke() const {
   return static_cast<std::size_t>(worst - per_stroke.begin());
 }
 
-bool CompareResult::MissesSomething() const {
-  if (verdict) return *verdict != Verdict::kAdequate;
+ErrorFinding CompareResult::Found() const {
+  if (may_be_noise) return ErrorFinding::kMayBeNoise;
   const CompareThresholds limits;
-  return !location.located.empty() || location.excess > limits.excess_errors * location.excess_std ||
-         overall.rms_residual > limits.visible_error * overall.noise_floor || HasPattern();
+  const bool more =
+      verdict ? *verdict != Verdict::kAdequate
+              : !location.located.empty() || location.excess > limits.excess_errors * location.excess_std ||
+                    overall.rms_residual > limits.visible_error * overall.noise_floor || HasPattern();
+  return more ? ErrorFinding::kMore : ErrorFinding::kNoise;
 }
 
 bool CompareResult::HasPattern() const {

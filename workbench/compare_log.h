@@ -9,6 +9,7 @@
 #include "diagnosis/explain.h"
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/whiteness.h"
+#include "workbench/explain/headline.h"
 #include "workbench/held_out_log.h"
 #include "workbench/history/stroke_history.h"
 #include "workbench/model/machine_model.h"
@@ -67,9 +68,8 @@ struct CompareResult {
 
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;
-  /// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is
-  /// located, or a pattern in time.
-  bool MissesSomething() const;
+  /// Of too few strokes for a verdict there is more than noise if the error is far above 0, or located, or a pattern in time.
+  ErrorFinding Found() const;
   bool HasPattern() const;  ///< in time, block by block, of what is left
   bool IsSignificant(const SignalCorrelation& c) const;
   /// Whether what is left follows the signal clearly more at another time.

@@ -165,11 +165,9 @@ std::string CorrelationsText(const CompareResult& result) {
 }
 
 ModelHeadline HeadlineOfComparison(const CompareResult& result) {
-  const bool misses = result.MissesSomething();
-  const Told no_verdict = result.verdict || misses ? result.no_verdict : TooFewForVerdict(result.strokes);
-  const ErrorFinding found = result.may_be_noise ? ErrorFinding::kMayBeNoise
-                             : misses            ? ErrorFinding::kMore
-                                                 : ErrorFinding::kNoise;
+  const ErrorFinding found = result.Found();
+  const Told no_verdict =
+      result.verdict || found != ErrorFinding::kNoise ? result.no_verdict : TooFewForVerdict(result.strokes);
   return HeadlineOf(result.model.figures, found, no_verdict, CountedWordsOf(result.log.machine));
 }
 
@@ -240,6 +238,7 @@ nlohmann::json CompareJson(const CompareResult& result) {
                                 ? nlohmann::json()
                                 : nlohmann::json(standing == ModelStanding::kMisses);
   out["verdict"] = result.verdict ? nlohmann::json(VerdictName(*result.verdict)) : nlohmann::json();
+  out["notes"] = result.log.notes;
   out["warnings"] = Warnings(result);
   out["noise"] = NoiseJson(result.model.trust.floor);
   out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());

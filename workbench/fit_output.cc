@@ -133,6 +133,7 @@ nlohmann::json FitJson(const FitResult& result) {
       {"effects", result.log.machine.added_effects},
       {"assumed_tolerances", assumed},
       {"held_out", result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json()},
+      {"notes", result.log.notes},
       {"warnings", Warnings(result)}};
   AddSuspicion(result.suspicion, out);
   return out;

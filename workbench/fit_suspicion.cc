@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "workbench/explain/headline.h"
+
 namespace hydroscope {
 namespace {
 
@@ -34,10 +36,8 @@ std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
 std::string Sentence(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
   if (x.may_be_noise)
-    return fmt::format(
-        "the error is more than the noise that rows show, and nothing predicts it: the noise is not white, or the model misses "
-        "something, and then {}",
-        kAbsorb);
+    return fmt::format("{}: the noise is not white, or the model misses something, and then {}",
+                       kNothingPredicts, kAbsorb);
   if (x.verdict == Verdict::kUnknown)
     return fmt::format("the model misses something that no known effect explains; {}", kAbsorb);
   std::vector<std::string> groups;

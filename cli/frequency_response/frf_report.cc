@@ -207,6 +207,7 @@ nlohmann::json FrfJson(const FrequencyResponse& response, const FrfRecord& log, 
   json["segment_length"] = response.segment_length;
   json["rows"] = log.rows;
   json["rows_left_out"] = log.left_out;
+  json["time_base"] = log.time_base.english;
   json["warnings"] = response.warnings;
   return json;
 }

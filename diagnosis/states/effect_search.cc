@@ -422,9 +422,8 @@ class EffectSearch {
       LeaveUnknown(out_.final.added);
       return;
     }
-    const std::vector<std::string> found = out_.final.added;
-    if (!found.empty() && !Complete() && !CompleteWithFewer()) {
-      LeaveUnknown(found);
+    if (!out_.final.added.empty() && !Complete() && !CompleteWithFewer()) {
+      LeaveUnknown(out_.final.added);
       return;
     }
     if (MayLackLaw()) {
@@ -432,7 +431,7 @@ class EffectSearch {
       LeaveUnknown(out_.final.added);
       return;
     }
-    if (found.empty()) {
+    if (out_.final.added.empty()) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }

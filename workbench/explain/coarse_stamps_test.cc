@@ -36,13 +36,16 @@ class CoarseStamps : public testing::Test {
     machine_.log.time_column = "t";
   }
 
-  LogStrokes Read(const Stamp& stamp) const {
+  /// `times`: how often a logger writes each row, under stamps of its own.
+  LogStrokes Read(const Stamp& stamp, int times = 1) const {
     const std::string path = testing::TempDir() + "/coarse_stamps_read.csv";
     std::string text(kPressLogHeader);
     for (std::size_t row = 0; row < log_.rows(); ++row) {
       PressRow line = log_.Row(row);
-      line.t = stamp(line.t);
-      AppendPressLine(line, text);
+      for (int k = 0; k < times; ++k) {
+        line.t = stamp(log_.t[row] + k * (log_.t[1] - log_.t[0]) / times);
+        AppendPressLine(line, text);
+      }
     }
     std::ofstream(path) << text;
     auto strokes = ReadStrokes(path, machine_, KeepSamples::kYes);
@@ -70,6 +73,19 @@ TEST_F(CoarseStamps, GiveTheParametersAndTheNameThatTrueStampsGive) {
     const Eigen::VectorXd theta = fit(strokes);
     EXPECT_LT(((theta - truth).array() / truth.array()).abs().maxCoeff(), 0.02) << strokes.notes.front();
     EXPECT_THAT(ExplainStrokes(std::move(strokes))->explanation.set, ElementsAre("internal_leakage"));
+  }
+}
+
+TEST_F(CoarseStamps, OfALoggerThatRepeatsRowsChangeNothingEither) {
+  const auto fit = [](LogStrokes strokes) { return FitStrokes(std::move(strokes))->fit.theta; };
+  const auto exact = [](double t) { return t; };
+  const Eigen::VectorXd truth = fit(Read(exact));
+  for (const Stamp& stamp :
+       {Stamp(exact), Stamp([](double t) { return std::floor(t / 0.01 + 1e-6) * 0.01; })}) {
+    const LogStrokes strokes = Read(stamp, 3);
+    ASSERT_THAT(strokes.notes, ElementsAre(HasSubstr("change together every 3 rows")));
+    EXPECT_EQ(strokes.reader.rows, static_cast<std::int64_t>(log_.rows()));
+    EXPECT_LT(((fit(strokes) - truth).array() / truth.array()).abs().maxCoeff(), 0.02);
   }
 }
 

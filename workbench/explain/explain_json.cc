@@ -218,6 +218,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"may_be_noise", x.may_be_noise},
       {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt.english)},
       {"warnings", InEnglish(x.warnings)},
+      {"notes", result.log.notes},
       {"german",
        {{"doubt", x.doubt.german},
         {"warnings", InGerman(x.warnings)},

@@ -146,7 +146,7 @@ void RefuseVerdict(const Told& why, Explanation& x) {
   x.set.clear();
   x.groups.clear();
   x.odd_strokes.clear();
-  x.partial = false;
+  x.partial = x.may_be_noise = false;
   x.doubt = {};
 }
 

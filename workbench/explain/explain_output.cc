@@ -107,10 +107,8 @@ std::string UnknownText(const ExplainResult& result) {
     return fmt::format("UNKNOWN: these {} carry no verdict, see the warning.\n",
                        CountedWordsOf(result.log.machine).many);
   if (x.may_be_noise)
-    return fmt::format(
-        "UNKNOWN: the error is more than the noise that rows show, and nothing predicts it.\n"
-        "  {}\n  Why: {}.\n",
-        kMayBeNoise.english, x.doubt.english);
+    return fmt::format("UNKNOWN: {}.\n  {}\n  Why: {}.\n", kNothingPredicts,
+                       WhatItMayBe(CountedWordsOf(result.log.machine)), x.doubt.english);
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
   if (!x.partial && !x.doubt.empty()) text += fmt::format("  Why: {}.\n", x.doubt.english);

@@ -59,6 +59,13 @@ Told ImpossibleFigures(const GramFit& f) {
   return {};
 }
 
+std::string WhatItMayBe(const CountedWords& counted) {
+  return fmt::format(
+      "It may be noise that is not white, or a law that no function of the signals shows. Record {} at half the speed and half "
+      "the load: noise stays as large, a law does not.",
+      counted.many);
+}
+
 ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told& no_verdict,
                          const CountedWords& counted) {
   std::string why = ImpossibleFigures(figures).english;
@@ -68,8 +75,7 @@ ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told&
             fmt::format("The model cannot be judged on these {}: {}.", counted.many, why)};
   if (found == ErrorFinding::kMayBeNoise)
     return {ModelStanding::kMisses,
-            fmt::format("The error is more than the noise that rows show, and nothing predicts it. {}",
-                        kMayBeNoise.english)};
+            fmt::format("Something is left: {}. {}", kNothingPredicts, WhatItMayBe(counted))};
   if (found == ErrorFinding::kMore)
     return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
   return {ModelStanding::kDescribes,

@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "core/told.h"
 #include "estimation/gram_fit.h"
 #include "models/counted_words.h"
 
@@ -15,19 +14,16 @@ enum class ModelStanding {
   kNotJudged,  ///< the figures contradict themselves or carry no judgement
 };
 
-/// What an error above the noise that rows show may be where nothing predicts it, and how to tell; sentences.
-inline constexpr Wording kMayBeNoise = {
-    "It may be noise that is not white, or a law that no function of the signals shows. Record strokes at half the speed and "
-    "half the load: noise stays as large, a law does not.",
-    "Es kann Rauschen sein, das nicht weiß ist, oder ein Gesetz, das keine Funktion der Signale zeigt. Hübe mit halber "
-    "Geschwindigkeit und halber Last aufzeichnen: Rauschen bleibt so groß, ein Gesetz nicht."};
-
 /// What a command found beyond the noise of the sensors.
 enum class ErrorFinding {
   kNoise,       ///< nothing
   kMore,        ///< something
   kMayBeNoise,  ///< an error that nothing predicts (Explanation::may_be_noise)
 };
+inline constexpr const char* kNothingPredicts =
+    "the error is more than the noise that rows show, and nothing predicts it";
+/// What such an error may be, and how to tell; sentences.
+std::string WhatItMayBe(const CountedWords& counted);
 
 struct ModelHeadline {
   ModelStanding standing = ModelStanding::kNotJudged;

@@ -65,7 +65,7 @@ TEST(OwnMachines, WhatIsNamedLowersTheErrorStepByStep) {
   }
 }
 
-/// Noise that goes on from row to row is a tenth of what rows show, and most of what blocks of them do.
+/// Noise that goes on from row to row hardly shows between neighbouring rows, and is most of what blocks of them have.
 TEST(OwnMachines, AnErrorThatNothingPredictsMayBeNoiseAndIsNotCalledMissing) {
   int unknown = 0;
   for (std::uint64_t seed = 1; seed < 6; ++seed) {

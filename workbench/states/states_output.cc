@@ -302,8 +302,8 @@ std::string CompareText(const StatesFit& fit) {
   std::string text =
       fit.left.structured
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
-      : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
       : fit.astray()       ? "The model hardly follows what was measured.\n"
+      : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
                            : "The model describes these episodes; noise alone is left.\n";
   for (const auto& [what, error] : std::initializer_list<std::pair<const char*, double>>{
            {"free run", fit.error.rms},
