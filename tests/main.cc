@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   std::filesystem::permissions(own, std::filesystem::perms(0755));  // some tests look at it as another user
-  setenv("TMPDIR", own.c_str(), 1);  // of std::filesystem, and of the programs that tests start
+  setenv("TMPDIR", own.c_str(), 1);       // of std::filesystem, and of the programs that tests start
   setenv("TEST_TMPDIR", own.c_str(), 1);  // of testing::TempDir()
   const int failed = RUN_ALL_TESTS();
   std::error_code left;
