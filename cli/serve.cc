@@ -9,6 +9,7 @@
 
 #include "acquisition/live_sources.h"
 #include "cli/commands.h"
+#include "core/json_text.h"
 #include "core/secret_file.h"
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -76,7 +77,7 @@ std::optional<HttpReply> AnswerTools(const HttpRequest& request, Surveillance& s
   if (request.method == "GET" && request.path == "/metrics")
     return HttpReply{200, "text/plain; version=0.0.4", PrometheusText(surveillance.status())};
   if (request.method == "GET" && request.path == "/status")
-    return HttpReply{200, "application/json", StatusJson(surveillance.status()).dump(1) + "\n"};
+    return HttpReply{200, "application/json", JsonText(StatusJson(surveillance.status()), 1) + "\n"};
   if (request.method != "POST" || request.path != "/valve_check" || !request.by_socket) return std::nullopt;
   const auto axis = request.query.find("axis");
   const Status asked = checks.Request(axis == request.query.end() ? "" : axis->second);

@@ -10,6 +10,7 @@
 #include "cli/trend_summary.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/json_text.h"
 #include "core/printable.h"
 #include "core/shown_width.h"
 #include "core/time_text.h"
@@ -198,11 +199,11 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
 
 /// False: the file cannot be written, which Close tells.
 Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const TrendPoints& points) {
-  bool written = sink.Write(fmt::format("{{\"schema\": {}, \"machine\": {}, \"points\": [", kJsonSchema,
-                                        nlohmann::json(trends.machine).dump()));
+  bool written = sink.Write(
+      fmt::format("{{\"schema\": {}, \"machine\": {}, \"points\": [", kJsonSchema, JsonText(trends.machine)));
   const char* before = "\n";
   const Status read = points(trends, [&](const TrendPoint& point) {
-    written = written && sink.Write(before + PointJson(point).dump());
+    written = written && sink.Write(before + JsonText(PointJson(point)));
     before = ",\n";
     return written;
   });
@@ -212,8 +213,8 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
   nlohmann::json alarms = nlohmann::json::array();
   for (const AlarmState& alarm : trends.alarms)
     alarms.push_back({{"alarm", alarm.id}, {"first_stroke", alarm.first_stroke}});
-  return written &&
-         sink.Write("\n], \"summary\": " + summary.dump(1) + ", \"alarms\": " + alarms.dump(1) + "}");
+  return written && sink.Write("\n], \"summary\": " + JsonText(summary, 1) +
+                               ", \"alarms\": " + JsonText(alarms, 1) + "}");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/cannot_write.h"
+#include "core/json_text.h"
 #include "core/printable.h"
 #include "host/progress_listener.h"
 #include "host/text_file.h"
@@ -51,10 +52,10 @@ Status WriteJson(const std::string& path, nlohmann::json document) {
     for (nlohmann::json& machine : document) number(machine);
   number(document);
   if (path == "-") {
-    std::cout << document.dump(2) << "\n";
+    std::cout << JsonText(document, 2) << "\n";
     return {};
   }
-  return WriteTextFile(path, document.dump(2) + "\n");
+  return WriteTextFile(path, JsonText(document, 2) + "\n");
 }
 
 Status FinishStandardOutput() {

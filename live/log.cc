@@ -10,6 +10,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.h"
+
 namespace hydroscope {
 namespace {
 
@@ -38,16 +40,14 @@ std::string Line(const char* event, const LogFields& fields) {
   if (as_json) {
     nlohmann::json json = {{"event", event}};
     for (const auto& [key, value] : fields) json[key] = value;
-    std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string text = JsonText(json);
     return text.substr(1, text.size() - 2);
   }
   std::string line = event;
   for (const auto& [key, value] : fields) {
     const bool plain = !value.empty() &&
                        std::none_of(value.begin(), value.end(), [](char c) { return c <= ' ' || c == '"'; });
-    line += fmt::format(
-        " {}={}", key,
-        plain ? value : nlohmann::json(value).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    line += fmt::format(" {}={}", key, plain ? value : JsonText(value));
   }
   return line;
 }

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.h"
+
 namespace hydroscope {
 namespace {
 
@@ -53,8 +55,7 @@ std::string FormatRunSummary(const RunSummary& s) {
                                {"warnings", s.warnings},
                                {"too_slow", s.too_slow},
                                {"stopped", s.stopped}};
-  // Text of the log may be no UTF-8; it is replaced, not refused.
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return JsonText(json);
 }
 
 RunSummary ParseRunSummary(const std::string& text) {

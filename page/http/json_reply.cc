@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.h"
 #include "core/told_error.h"
 #include "host/output.h"
 
@@ -9,7 +10,7 @@ namespace hydroscope {
 
 HttpReply JsonReply(nlohmann::json json, unsigned status) {
   if (!json.contains("schema")) json["schema"] = kJsonSchema;
-  return {status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+  return {status, "application/json", JsonText(json)};
 }
 
 nlohmann::json ErrorJson(const Told& error) {

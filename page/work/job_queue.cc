@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.h"
 #include "core/told_error.h"
 #include "host/progress_listener.h"
 #include "page/http/json_reply.h"
@@ -20,10 +21,6 @@ nlohmann::json JobJson(std::int64_t id, const std::string& kind, const std::stri
   if (state == "running") json.update({{"what", what}, {"share", share}});
   if (state == "failed") json.update(ErrorJson(error));
   return json;
-}
-
-std::string OneLine(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -52,7 +49,7 @@ JobQueue::~JobQueue() {
 }
 
 void JobQueue::Tell(const Job& job) {
-  feed_.Publish(OneLine(JobJson(job.id, job.kind, job.state, job.what, job.share, job.error)));
+  feed_.Publish(JsonText(JobJson(job.id, job.kind, job.state, job.what, job.share, job.error)));
 }
 
 Result<std::int64_t> JobQueue::Add(const std::string& kind, const std::string& key,
