@@ -30,6 +30,7 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
   for (const std::string& id : x.set) names.push_back(NamedEffect(effects, id));
   switch (x.verdict) {
     case Verdict::kAdequate:
+      if (e.slow()) return "△ What the model leaves lasts over many rows, and nothing in it predicts that";
       return x.runs.empty()
                  ? "✓ The model describes these episodes: nothing is missing in it"
                  : "△ The model describes short runs of these episodes; what adds up over a whole one is open";
@@ -50,7 +51,8 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
   const StatesExplanation& x = e.explanation;
   std::vector<std::string> out = {
       fmt::format("On pieces of the log it has not seen the model as it is errs by {}; {} {}.",
-                  ErrorText(e.base, e.base.rms_holdout), NoiseWords(!x.base_left.structured && !x.astray),
+                  ErrorText(e.base, e.base.rms_holdout),
+                  NoiseWords(!x.base_left.structured && !x.astray && !e.base.slow()),
                   ErrorText(e.base, e.base.noise_floor))};
   if (!x.final.added.empty())
     out.push_back(fmt::format("With {} it errs by {}.", fmt::join(x.final.added, " and "),
@@ -92,7 +94,7 @@ std::string Staircase(const StatesExplained& e) {
                          added.empty() ? Ink::kBlue : Ink::kGreen, added.empty()});
   }
   plot.level = words.factor * e.final.noise_floor;
-  plot.level_label = NoiseWords(!x.final_left.structured && !x.astray);
+  plot.level_label = NoiseWords(!x.final_left.structured && !x.astray && !e.final.slow());
   plot.note_width = 90;
   return "<h2>The error falls</h2>\n" +
          Figure(RenderRows(plot), "Error of the free run on pieces of the log that the fit did not see.");

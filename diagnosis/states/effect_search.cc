@@ -14,6 +14,7 @@
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/spread_pieces.h"
+#include "estimation/states/one_step.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -414,25 +415,38 @@ class EffectSearch {
   /// A law that the log shows too seldom may be in what the final set leaves.
   bool MayLackLaw() const { return out_.final_left.doubtful && Coloured(out_.final); }
 
+  /// Whether what the final set leaves lasts over many rows and is more than what it explains: that is no noise of sensors, and
+  /// the set may only stand in for a part of it.
+  bool HidesMore() const {
+    const double foreseen = 1 - OneStepShare(out_.final.fit);
+    return !out_.final_left.structured && foreseen > 1 - kSlowError * kSlowError &&
+           out_.base.held_out - out_.final.held_out < foreseen * out_.final.held_out;
+  }
+
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
     TakeSteps();
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && Coloured(out_.final)) {
       out_.astray = true;
-      LeaveUnknown(out_.final.added);
+      out_.LeaveUnknown(out_.final.added);
       return;
     }
     if (!out_.final.added.empty() && !Complete() && !CompleteWithFewer()) {
-      LeaveUnknown(out_.final.added);
+      out_.LeaveUnknown(out_.final.added);
       return;
     }
     if (MayLackLaw()) {
       out_.warnings.push_back(MayBeMissing(out_.final_left));
-      LeaveUnknown(out_.final.added);
+      out_.LeaveUnknown(out_.final.added);
       return;
     }
     if (out_.final.added.empty()) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
+      return;
+    }
+    if (HidesMore()) {
+      out_.warnings.push_back(MoreIsSlow());
+      out_.LeaveUnknown(out_.final.added);
       return;
     }
     out_.partial = out_.final_left.structured;
@@ -455,12 +469,6 @@ class EffectSearch {
     take("", out_.base);
     for (std::size_t k = 1; k < levels_.size(); ++k)
       take(levels_[k].front().added.back(), levels_[k].front());
-  }
-
-  void LeaveUnknown(const std::vector<std::string>& nearest) {
-    out_.verdict = Verdict::kUnknown;
-    out_.nearest = nearest;
-    out_.partial = !nearest.empty();
   }
 
   /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if

@@ -8,6 +8,7 @@
 #include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
+#include "diagnosis/states/state_limit.h"
 
 namespace hydroscope {
 namespace {
@@ -107,12 +108,28 @@ constexpr Wording kCoveredText = {
 constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
                                  "ein freier Lauf über ganze Episoden verliert sich"};
 
+/// Whether the set found leaves clearly less than a limit that is taken out of the machine.
+bool LeavesLess(const StatesExplanation& found, const DoubtedLimit& limit) {
+  const double error = found.final.fit.noise.cwiseQuotient(found.base.fit.noise).norm() /
+                       std::sqrt(static_cast<double>(found.base.fit.noise.size()));
+  return 2 * error < limit.error;
+}
+
 StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
                                   const ExplainStatesOptions& options) {
   const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
   const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
   StatesExplanation out = SearchEffects(machine, tried, tried.size(), options);
   if (!out.base.fit.solved()) return out;
+  if (out.base_left.structured || LeavesColoured(out.base, options.white_readings))
+    if (const auto limit = FindDoubtedLimit(out.base.fit, tried); limit && !LeavesLess(out, *limit)) {
+      out.final = out.base;
+      out.final_left = out.base_left;
+      out.steps.resize(1);
+      out.LeaveUnknown({});
+      out.warnings = {DoubtedLimitText(*limit)};
+      return out;
+    }
   const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
                     LeavesColoured(out.final, options.white_readings);
   // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
@@ -139,6 +156,15 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
 }
 
 }  // namespace
+
+void StatesExplanation::LeaveUnknown(std::vector<std::string> helped) {
+  verdict = Verdict::kUnknown;
+  set.clear();
+  groups.clear();
+  rivals.clear();
+  nearest = std::move(helped);
+  partial = !nearest.empty();
+}
 
 void StatesExplanation::AddRival(StateCandidate rival) {
   const auto holds = [](const std::vector<std::string>& ids, const std::string& id) {

@@ -92,6 +92,9 @@ struct StatesExplanation {
   /// Whether something is missing at all is in doubt: unknown for lack of an all-clear.
   bool only_doubtful() const { return base_left.doubtful && final.added.empty(); }
 
+  /// Nothing is named; `helped`: the effects that explain a part.
+  void LeaveUnknown(std::vector<std::string> helped);
+
   /// Its effects stand beside the one of the set that it does without, which makes the verdict ambiguous.
   void AddRival(StateCandidate rival);
 };

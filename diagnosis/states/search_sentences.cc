@@ -26,6 +26,14 @@ Told MayBeMissing(const StateRemainder& left) {
       left.about, 100 * left.least_share, 100 * left.p_value);
 }
 
+Told MoreIsSlow() {
+  return Tell(
+      "what is left lasts over many rows, and is more than what this explains: dynamics may be missing (a lag, a further "
+      "mode), noise acts on the process itself, or a disturbance is not measured",
+      "was bleibt, dauert über viele Zeilen, und ist mehr, als dies erklärt: Dynamik kann fehlen (eine Verzögerung, eine weitere "
+      "Eigenform), Rauschen wirkt auf den Prozess selbst, oder eine Störung wird nicht gemessen");
+}
+
 Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
   return Tell(
       "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} that is "

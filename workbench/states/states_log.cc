@@ -11,7 +11,6 @@
 #include "core/told_error.h"
 #include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/initial_values.h"
-#include "estimation/decompositions.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
@@ -28,30 +27,9 @@ double Overall(const StateFit& fit, const Eigen::VectorXd& rms) {
   return std::sqrt(rms.cwiseQuotient(fit.scale).squaredNorm() / static_cast<double>(rms.size()));
 }
 
-/// Rms of an output's error where a regression on the last few errors may be used: innovations of an autoregressive noise
-/// model (Box and Jenkins 1970).
-double OneStepError(const StateFit& fit, int output) {
-  constexpr int kOrder = 4;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kOrder + 1, kOrder + 1);
-  double count = 0;
-  for (const RowMatrix& residual : fit.residuals)
-    for (Eigen::Index row = kOrder; row < residual.rows(); ++row) {
-      const Eigen::VectorXd past = residual.col(output).segment(row - kOrder, kOrder + 1);
-      if (!past.allFinite()) continue;
-      information += past * past.transpose();
-      count += 1;
-    }
-  if (!(count > 2 * kOrder)) return fit.noise[output];
-  Eigen::MatrixXd own = information.topLeftCorner(kOrder, kOrder);
-  own.diagonal().array() *= 1 + 1e-9;
-  const Eigen::VectorXd cross = information.col(kOrder).head(kOrder);
-  return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(SymmetricFactor(own).Solve(cross))) /
-                   count);
-}
-
 /// What is left is no white noise.
 bool Coloured(const StatesError& error, const StateRemainder& left) {
-  return left.structured || error.one_step < kColouredError * error.rms;
+  return left.structured || error.coloured();
 }
 
 /// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
@@ -146,7 +124,10 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", log.machine.name, out.fit.failed));
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
-  if (out.left.structured || out.slow()) out.other_hold = FindOtherHold(out.fit, log.episodes);
+  if (out.left.structured || out.slow()) {
+    out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
+    out.other_hold = FindOtherHold(out.fit, log.episodes);
+  }
   if (Coloured(out.error, out.left))
     if (const auto other = FindOtherBeginning(out.fit, log.episodes))
       log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));

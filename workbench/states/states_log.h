@@ -10,7 +10,9 @@
 #include "diagnosis/states/input_hold.h"
 #include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/state_experiment.h"
+#include "diagnosis/states/state_limit.h"
 #include "estimation/linear_form/starts.h"
+#include "estimation/states/one_step.h"
 #include "models/model_history.h"
 #include "pipeline/episodes.h"
 #include "workbench/states/states_location.h"
@@ -20,6 +22,10 @@ namespace hydroscope {
 /// Whether a machine file describes states, and so goes the way of this file. False if it cannot be read: the command's own
 /// way says why.
 bool HasStates(const std::string& machine_file);
+
+/// Error of one step over that of the free run, below which it is no white noise: of that, scatter leaves more than 0.98 from 1000
+/// readings on.
+inline constexpr double kColouredError = 0.8;
 
 /// How large errors of a model with states are, as shown. Of one output in its unit; of several as a share of each output's
 /// variation, root of the mean of squares.
@@ -31,32 +37,31 @@ struct StatesError {
       0;  ///< what is left where past errors may be used: large against noise, small here = the process is noisy
   DisplayUnit unit;
   bool of_variation = false;  ///< several outputs: each over its variation
-};
 
-/// Error of one step over that of the free run, below which a log that no function of states and inputs explains any better
-/// is taken for one whose process itself is noisy.
-inline constexpr double kSlowError = 0.5;
-/// ... and below which it is no white noise: of that, scatter leaves more than 0.98 from 1000 readings on.
-inline constexpr double kColouredError = 0.8;
+  /// It lasts over many rows.
+  bool slow() const { return one_step < kSlowError * rms; }
+  /// It is no white noise.
+  bool coloured() const { return one_step < kColouredError * rms; }
+};
 
 /// A model with states fitted to logs.
 struct StatesFit {
   /// Errors last over many rows, and no function of states and inputs predicts them.
-  bool slow() const { return !left.structured && error.one_step < kSlowError * error.rms; }
+  bool slow() const { return !left.structured && error.slow(); }
   /// What is left is no white noise, no function predicts it, and it is so much that the run hardly follows the machine.
   bool astray() const {
-    return !left.structured && error.one_step < kColouredError * error.rms &&
-           fit.ErrorOfVariation() > kHardlyFollows;
+    return !left.structured && error.coloured() && fit.ErrorOfVariation() > kHardlyFollows;
   }
   /// What is left is no white noise, and a law may be in it that the log shows too seldom.
-  bool may_lack_law() const { return left.doubtful && error.one_step < kColouredError * error.rms; }
-  bool noise_alone() const { return !left.structured && !may_lack_law() && !astray(); }
+  bool may_lack_law() const { return left.doubtful && error.coloured(); }
+  bool noise_alone() const { return !left.structured && !may_lack_law() && !astray() && !slow(); }
 
   EpisodeLog log;
   StateFit fit;
   std::optional<LinearFit> linear;  ///< where the fit began, of kinds with a linear form
   StateRemainder left;
   std::optional<OtherHold> other_hold;
+  std::optional<DoubtedLimit> doubted_limit;
   StatesError error;
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
   std::optional<StateFit> prediction;
@@ -91,9 +96,7 @@ struct StatesExplained {
   std::optional<ShownLaw> missing;    ///< verdict unknown: what is missing in the model with what was found
 
   /// Nothing is named, and yet errors last over many rows (StatesFit::slow).
-  bool slow() const {
-    return explanation.verdict == Verdict::kAdequate && base.one_step < kSlowError * base.rms;
-  }
+  bool slow() const { return explanation.verdict == Verdict::kAdequate && base.slow(); }
 };
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);

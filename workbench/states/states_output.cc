@@ -173,6 +173,9 @@ std::string VerdictText(const StatesExplained& e) {
   std::string text = fmt::format("Verdict: {}{}\n", VerdictName(x.verdict), x.partial ? ", partial" : "");
   switch (x.verdict) {
     case Verdict::kAdequate:
+      if (e.slow())
+        return text +
+               "What is left lasts over many rows, and no function of states and inputs predicts it.\n";
       return text +
              fmt::format(
                  "The model describes {}: no function of states and inputs predicts what is left.\n",
@@ -302,7 +305,8 @@ std::string CompareText(const StatesFit& fit) {
   std::string text =
       fit.left.structured
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
-      : fit.astray()       ? "The model hardly follows what was measured.\n"
+      : fit.astray() ? "The model hardly follows what was measured.\n"
+      : fit.slow() ? "What is left lasts over many rows, and no function of states and inputs predicts it.\n"
       : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
                            : "The model describes these episodes; noise alone is left.\n";
   for (const auto& [what, error] : std::initializer_list<std::pair<const char*, double>>{
@@ -361,7 +365,8 @@ std::string ExplainText(const StatesExplained& e) {
   std::string text = VerdictText(e);
   text +=
       fmt::format("Free-run error on pieces left out {}, {} {}.\n", ErrorText(e.final, e.final.rms_holdout),
-                  NoiseWords(!x.final_left.structured && !x.astray), ErrorText(e.final, e.final.noise_floor));
+                  NoiseWords(!x.final_left.structured && !x.astray && !e.final.slow()),
+                  ErrorText(e.final, e.final.noise_floor));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);
   const ErrorWords words = ErrorWordsOf(e.base);
@@ -420,6 +425,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
           {"set", x.set},
           {"groups", x.groups},
           {"partial", x.partial},
+          {"slow", e.slow()},
           {"nearest", x.nearest},
           {"warnings", InEnglish(warnings)},
           {"german", {{"warnings", InGerman(warnings)}, {"experiment", record ? record->german : ""}}},

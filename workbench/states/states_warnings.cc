@@ -90,6 +90,7 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
         "Funktionen von Zuständen und Eingängen sagen mindestens {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
         "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
         100 * fit.left.least_share, fit.left.about));
+  if (fit.doubted_limit) warnings.push_back(DoubtedLimitText(*fit.doubted_limit));
   if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));

@@ -189,6 +189,7 @@ export const de: Words = {
   ambiguous: "Dem Modell fehlt etwas, und diese <Hübe|Episoden> können nicht sagen, was hiervon es ist:",
   unknown: "Dem Modell fehlt etwas, und nichts in der Bibliothek erklärt es.",
   mayBeNoise: "Der Fehler ist mehr als das Rauschen, das Zeilen zeigen, und nichts sagt ihn voraus. Es kann Rauschen sein, das nicht weiß ist, oder ein Gesetz, das keine Funktion der Signale zeigt. <Hübe|Episoden> mit halber Geschwindigkeit und halber Last aufzeichnen: Rauschen bleibt so groß, ein Gesetz nicht.",
+  slow: "Was bleibt, dauert über viele Zeilen, und keine Funktion von Zuständen und Eingängen sagt es voraus: siehe die Warnungen.",
   notProven: "Nicht bewiesen: ",
   whyUnknown: "Warum: ",
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Episoden> {before}; damit {after}; Sensorrauschen allein {noise}.",

@@ -188,6 +188,7 @@ export const en = {
   ambiguous: "The model misses something, and these <strokes|episodes> cannot tell which of these it is:",
   unknown: "The model misses something, and nothing in the library explains it.",
   mayBeNoise: "The error is more than the noise that rows show, and nothing predicts it. It may be noise that is not white, or a law that no function of the signals shows. Record <strokes|episodes> at half the speed and half the load: noise stays as large, a law does not.",
+  slow: "What is left lasts over many rows, and no function of states and inputs predicts it: see the warnings.",
   notProven: "Not proven: ",
   whyUnknown: "Why: ",
   verdictErrors: "Error on <strokes|episodes> left out {before}; with it {after}; sensor noise alone {noise}.",

@@ -23,7 +23,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
-      <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.verdict)}</p>
+      <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.slow ? "slow" : explain.verdict)}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
@@ -32,7 +32,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say(odd.parameter ? "oddParameter" : "oddStrokes", { strokes: odd.strokes.join(", "), parameter: odd.parameter ?? "" })}</p>)}
       {explain.swap && <Swap swap={explain.swap} unit={unit} effects={effects} />}
-      {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}
+      {explain.warnings.length > 0 && <details open={explain.slow || explain.verdict === "unknown"}><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}
       {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}
       <Experiment explain={explain} units={session.units} />
       <Measured session={session} effects={effects} suspects={explain.set} />
