@@ -140,6 +140,7 @@ class EffectSearch {
         LookAfar(sets))
       left = LeftBy(sets);
     if (Better(out_.final, out_.final_left, sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
+    if (Better(out_.final, out_.final_left, sets) && TakeRivalsFromAfar(sets)) left = LeftBy(sets);
     if (single) TakeRanking(all, sets);
     if (!Better(out_.final, out_.final_left, sets)) return false;
     out_.final = sets.front();
@@ -201,6 +202,20 @@ class EffectSearch {
       if (c.added != best.added) Take(sets, fits_->FittedNear(c, best, options_.near_law));
     Sort(sets);
     return sets.front().added != best.added;
+  }
+
+  /// Other sets that do much of what the best one does may stand in wrong minima: they are fitted from starts all over the ranges,
+  /// not to be beaten for that. Whether another is the best now.
+  bool TakeRivalsFromAfar(std::vector<StateCandidate>& sets) {
+    const std::vector<StateCandidate> before = sets;
+    const double removed = out_.final.held_out - before.front().held_out;
+    for (const StateCandidate& set : before)
+      if (set.added != before.front().added &&
+          out_.final.held_out - set.held_out >= options_.rival_removed * removed &&
+          set.held_out > (1 + options_.fit.same_minimum) * before.front().held_out)
+        if (StateCandidate afar = fits_->FittedFromAfar(set); afar.fitted()) Take(sets, std::move(afar));
+    Sort(sets);
+    return sets.front().added != before.front().added;
   }
 
   /// What the best set leaves, if it does better than what was found before.

@@ -55,6 +55,7 @@ struct ExplainStatesOptions {
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   double near_law =
       0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
+  double rival_removed = 0.5;  ///< share of what the best set removes from which on another is fitted from afar, too
   /// Readings over which errors are correlated, from which on what is left is no white noise: of that their scatter leaves less
   /// than 1.2 from 1000 readings on.
   double white_readings = 1.5;
