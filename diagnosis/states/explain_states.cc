@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/states/effect_search.h"
+#include "diagnosis/states/parameter_drift.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
 #include "diagnosis/states/state_limit.h"
@@ -133,7 +134,8 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
                     LeavesColoured(out.final, options.white_readings);
   // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
-  if (out.set.empty() || lost) {
+  const auto drift = FindParameterDrift(out.final.fit, out.final_left);
+  if ((out.set.empty() || lost) && (!drift || drift->share < options.drifts_share)) {
     const NoisyRuns runs(machine, tried, options);
     if (lost && !runs.empty()) {
       StatesExplanation short_runs = runs.Explain(kAstrayText);
@@ -153,6 +155,16 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
            "die Zahlen sind die von allen Zeilen",
            pieces.size(), options.piece_rows));
   return out;
+}
+
+/// A parameter that moves during the log leaves errors that no function of states and inputs predicts: told, and no all-clear.
+StatesExplanation WithDriftTold(StatesExplanation found) {
+  if (!found.base.fit.solved()) return found;
+  if (const auto drift = FindParameterDrift(found.final.fit, found.final_left)) {
+    found.warnings.push_back(ParameterDriftText(*drift));
+    if (found.verdict == Verdict::kAdequate) found.LeaveUnknown({});
+  }
+  return found;
 }
 
 }  // namespace
@@ -186,10 +198,10 @@ StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode>
                                 const ExplainStatesOptions& options) {
   const bool means = std::any_of(episodes.begin(), episodes.end(),
                                  [](const Episode& episode) { return episode.mean_rows > 1; });
-  if (!means) return ExplainEpisodes(machine, episodes, options);
-  std::vector<Episode> runs = ShortRuns(episodes, options.means.readings);
-  if (runs.empty()) return ExplainEpisodes(machine, episodes, options);
-  return ExplainRuns(machine, std::move(runs), options.means, "revolutions", options);
+  std::vector<Episode> runs = means ? ShortRuns(episodes, options.means.readings) : std::vector<Episode>();
+  return WithDriftTold(runs.empty()
+                           ? ExplainEpisodes(machine, episodes, options)
+                           : ExplainRuns(machine, std::move(runs), options.means, "revolutions", options));
 }
 
 }  // namespace hydroscope

@@ -34,6 +34,8 @@ struct ExplainStatesOptions {
   double covered_share = 0.5;
   /// ... and short runs leave less than this share of an output's rms error there.
   double covered_error = 0.5;
+  /// ... unless a parameter that drifts over the log takes away as much as this of it.
+  double drifts_share = 0.5;
   ScreeningOptions screening;
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
   double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last
@@ -55,7 +57,8 @@ struct ExplainStatesOptions {
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   double near_law =
       0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
-  double rival_removed = 0.5;  ///< share of what the best set removes from which on another is fitted from afar, too
+  double rival_removed =
+      0.5;  ///< share of what the best set removes from which on another is fitted from afar, too
   /// Readings over which errors are correlated, from which on what is left is no white noise: of that their scatter leaves less
   /// than 1.2 from 1000 readings on.
   double white_readings = 1.5;

@@ -10,9 +10,9 @@
 namespace hydroscope {
 
 struct StateLimitOptions {
-  int rows = 4000;           ///< that fits without a limit are tried on
+  int rows = 4000;            ///< that fits without a limit are tried on
   double least_share = 0.01;  ///< of the rows, at which a state must stand at a limit for it to be tried
-  double less_error = 0.5;   ///< rms error without the limit over that with it, below which it is told of
+  double less_error = 0.5;    ///< rms error without the limit over that with it, below which it is told of
 };
 
 /// A limit of the machine file that the model stands at where the machine goes on.
@@ -21,7 +21,8 @@ struct DoubtedLimit {
   bool upper = true;  ///< max, else min
   double at = 0;      ///< SI
   double share = 0;   ///< of the rows, at which the state stands there
-  double error = 1;   ///< rms of what is left without it, over that with it; of several outputs the mean of squares
+  double error =
+      1;  ///< rms of what is left without it, over that with it; of several outputs the mean of squares
 };
 
 /// The limit without which least is left, if that is clearly less: the fit is repeated without each limit that states stand at.

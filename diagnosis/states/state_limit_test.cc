@@ -27,7 +27,8 @@ hold = "zero"
 q = { column = "q", unit = "1" }
 level = { column = "level", unit = "1" }
 [states]
-h = { ddt = "q - k*sqrt(max(h, 0))", initial = "estimate", min = 0, max = )toml" + most + R"toml( }
+h = { ddt = "q - k*sqrt(max(h, 0))", initial = "estimate", min = 0, max = )toml" +
+                                        most + R"toml( }
 [outputs]
 level = "h"
 [parameters]

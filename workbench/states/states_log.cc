@@ -128,10 +128,11 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
     out.other_hold = FindOtherHold(out.fit, log.episodes);
   }
+  out.drift = FindParameterDrift(out.fit, out.left);
   if (Coloured(out.error, out.left))
     if (const auto other = FindOtherBeginning(out.fit, log.episodes))
       log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));
-  if (out.slow()) {
+  if (out.slow() && !out.drift) {
     StateFit prediction = PredictStates(out.fit, log.episodes);
     if (prediction.solved() &&
         Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)

@@ -9,6 +9,7 @@
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/input_hold.h"
 #include "diagnosis/states/missing_sensors.h"
+#include "diagnosis/states/parameter_drift.h"
 #include "diagnosis/states/state_experiment.h"
 #include "diagnosis/states/state_limit.h"
 #include "estimation/linear_form/starts.h"
@@ -62,6 +63,7 @@ struct StatesFit {
   StateRemainder left;
   std::optional<OtherHold> other_hold;
   std::optional<DoubtedLimit> doubted_limit;
+  std::optional<ParameterDrift> drift;  ///< over the log
   StatesError error;
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
   std::optional<StateFit> prediction;

@@ -201,9 +201,9 @@ std::string VerdictText(const StatesExplained& e) {
           : x.only_doubtful() ? "Something may be missing, and no effect of the machine file explains it.\n"
                               : "An error is there, and no effect of the machine file explains it.\n";
   if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
-  if (x.astray) return text;
-  return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n",
-                            x.final_left.about.empty() ? x.base_left.about : x.final_left.about);
+  const std::string& about = x.final_left.about.empty() ? x.base_left.about : x.final_left.about;
+  if (x.astray || about.empty()) return text;
+  return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n", about);
 }
 
 nlohmann::json EffectParametersJson(const std::vector<Estimate>& estimates, const std::string& id) {
