@@ -13,6 +13,7 @@
 #include "diagnosis/states/candidate_fits.h"
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/search_sentences.h"
+#include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "estimation/states/one_step.h"
 #include "models/state_effects.h"
@@ -31,6 +32,7 @@ class EffectSearch {
       : machine_(machine),
         episodes_(episodes),
         options_(options),
+        compare_(options),
         starts_on_(SpreadOver(episodes.size(), start_episodes)) {}
 
   StatesExplanation Run() {
@@ -136,13 +138,12 @@ class EffectSearch {
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
     }
-    if (Better(out_.final, out_.final_left, sets) && (left.structured || Coloured(sets.front())) &&
-        LookAfar(sets))
+    if (Better(sets) && (left.structured || compare_.Coloured(sets.front())) && LookAfar(sets))
       left = LeftBy(sets);
-    if (Better(out_.final, out_.final_left, sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
-    if (Better(out_.final, out_.final_left, sets) && TakeRivalsFromAfar(sets)) left = LeftBy(sets);
+    if (Better(sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
+    if (Better(sets) && TakeRivalsFromAfar(sets)) left = LeftBy(sets);
     if (single) TakeRanking(all, sets);
-    if (!Better(out_.final, out_.final_left, sets)) return false;
+    if (!Better(sets)) return false;
     out_.final = sets.front();
     out_.final_left = std::move(left);
     levels_.push_back(std::move(sets));
@@ -182,8 +183,6 @@ class EffectSearch {
     if (!sets.empty()) PreferFewParameters(sets);
   }
 
-  bool Coloured(const StateCandidate& set) const { return LeavesColoured(set, options_.white_readings); }
-
   /// What the best set leaves may be that of a wrong minimum, which a further effect would seem to mend: it is fitted from starts
   /// all over the ranges. Whether there was a better one.
   bool LookAfar(std::vector<StateCandidate>& sets) const {
@@ -220,39 +219,24 @@ class EffectSearch {
 
   /// What the best set leaves, if it does better than what was found before.
   StateRemainder LeftBy(const std::vector<StateCandidate>& sets) const {
-    return Better(out_.final, out_.final_left, sets) ? Left(sets.front().fit) : StateRemainder{};
+    return Better(sets) ? Left(sets.front().fit) : StateRemainder{};
   }
 
   /// Whether the best set needs no further look at the others.
   bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
-    return Better(out_.final, out_.final_left, sets) &&
-           Unexplained(sets.front(), left) <= LeftShare(sets.front());
+    return Better(sets) && Unexplained(sets.front(), left) <= LeftShare(sets.front());
   }
 
   /// Whether sets of which linearisation promises little are fitted too: what is left is structured, or it is no white noise and
   /// none did better. About a wrong minimum linearisation says nothing of what another fit would explain.
   bool LooksOn(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
     if (out_.final_left.structured) return !Settled(sets, left);
-    return Coloured(out_.final) && !Better(out_.final, out_.final_left, sets);
+    return compare_.Coloured(out_.final) && !Better(sets);
   }
 
-  /// Whether a set does better than another, of which `left` is left.
-  bool Better(const StateCandidate& now, const StateRemainder& left, const StateCandidate& next) const {
-    const auto [removed, t] = PairedGain(now.fit.HeldOutEnergies(), next.fit.HeldOutEnergies());
-    // An effect that acts in a few pieces has a small t however large its gain is against correlated noise.
-    const bool large = removed > options_.min_gain * EvidenceOf(next) && t > options_.few_t &&
-                       removed > options_.min_removed * now.held_out;
-    if (!left.structured)
-      return large || (removed > options_.min_gain * EvidenceOf(next) && t > options_.sure_t);
-    const double predictable = now.held_out * left.least_share;
-    return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
-           (large || t > options_.min_t);
-  }
-
-  /// ... or the best of some, if there is one.
-  bool Better(const StateCandidate& now, const StateRemainder& left,
-              const std::vector<StateCandidate>& next) const {
-    return !next.empty() && Better(now, left, next.front());
+  /// Whether the best of some does better than what was found before.
+  bool Better(const std::vector<StateCandidate>& sets) const {
+    return !sets.empty() && compare_.Better(out_.final, out_.final_left, sets.front());
   }
 
   /// A set with an effect of the set found taken out, fitted from there.
@@ -279,7 +263,7 @@ class EffectSearch {
             without.held_out >= (1 - options_.fit.same_minimum) * before.held_out)
           continue;
         StateRemainder left = Left(without.fit);
-        if (Better(without, left, out_.final)) continue;
+        if (compare_.Better(without, left, out_.final)) continue;
         out_.final_left = std::move(left);
         levels_.pop_back();
         std::vector<StateCandidate>& level = levels_.back();
@@ -332,24 +316,12 @@ class EffectSearch {
   void PreferFewParameters(std::vector<StateCandidate>& sets) const {
     for (std::size_t k = 1; k < sets.size(); ++k)
       if (sets[k].fit.parameters.size() < sets.front().fit.parameters.size() &&
-          NearlyAsGood(sets[k], sets.front(), out_.base.held_out - sets.front().held_out) &&
+          compare_.NearlyAsGood(sets[k], sets.front(), out_.base.held_out - sets.front().held_out) &&
           SameLaw(out_.base.fit, sets[k], sets.front(), episodes_, options_.same_law)) {
         std::rotate(sets.begin(), sets.begin() + static_cast<std::ptrdiff_t>(k),
                     sets.begin() + static_cast<std::ptrdiff_t>(k) + 1);
         return;
       }
-  }
-
-  /// Whether energies are hardly worse than the best, which removed `removed`; `noise` is one piece of evidence.
-  bool HardlyWorse(const std::vector<double>& other, const std::vector<double>& best, double removed,
-                   double noise) const {
-    const auto [worse, t] = PairedGain(other, best);
-    const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
-    return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
-  }
-
-  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best, double removed) const {
-    return HardlyWorse(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies(), removed, EvidenceOf(best));
   }
 
   /// Energy that the effects of the set found that `other` has not remove beyond those that both have.
@@ -373,8 +345,8 @@ class EffectSearch {
     const Specificity::Function* best = nullptr;
     for (const Specificity::Function& function : specificity.functions())
       if (best == nullptr || Sum(function.energies) < Sum(best->energies)) best = &function;
-    if (best == nullptr || !HardlyWorse(best->energies, specificity.with_effect(),
-                                        without.held_out - Sum(specificity.with_effect()), noise))
+    if (best == nullptr || !compare_.HardlyWorse(best->energies, specificity.with_effect(),
+                                                 without.held_out - Sum(specificity.with_effect()), noise))
       return {};
     return best->named;
   }
@@ -400,7 +372,7 @@ class EffectSearch {
     if (levels_.size() < 2) return rivals;
     const StateCandidate& best = out_.final;
     for (const StateCandidate& other : levels_.back())
-      if (other.added != best.added && NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
+      if (other.added != best.added && compare_.NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
           !(other.fit.parameters.size() > best.fit.parameters.size() &&
             SameLaw(out_.base.fit, best, other, episodes_, options_.same_law)))
         rivals.push_back(other);
@@ -428,7 +400,7 @@ class EffectSearch {
   }
 
   /// A law that the log shows too seldom may be in what the final set leaves.
-  bool MayLackLaw() const { return out_.final_left.doubtful && Coloured(out_.final); }
+  bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
 
   /// Whether what the final set leaves lasts over many rows and is more than what it explains: that is no noise of sensors, and
   /// the set may only stand in for a part of it.
@@ -441,7 +413,7 @@ class EffectSearch {
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
     TakeSteps();
-    if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && Coloured(out_.final)) {
+    if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;
       out_.LeaveUnknown(out_.final.added);
       return;
@@ -505,6 +477,7 @@ class EffectSearch {
   const Machine& machine_;
   std::span<const Episode> episodes_;
   const ExplainStatesOptions& options_;
+  const SetComparison compare_;
   std::vector<std::size_t> starts_on_;                          ///< episodes that starts are tried on
   std::optional<CandidateFits> fits_;                           ///< once the base is fitted
   std::vector<std::vector<StateCandidate>> levels_;             ///< per number of effects, sets best first

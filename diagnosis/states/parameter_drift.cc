@@ -86,7 +86,8 @@ std::optional<ParameterDrift> FindParameterDrift(const StateFit& fit, const Stat
         {removed, {fit.model->parameters[static_cast<std::size_t>(p)].name, slope / size, std / size}});
   }
   if (slopes.empty()) return std::nullopt;
-  std::sort(slopes.begin(), slopes.end(), [](const Slope& a, const Slope& b) { return a.removed > b.removed; });
+  std::sort(slopes.begin(), slopes.end(),
+            [](const Slope& a, const Slope& b) { return a.removed > b.removed; });
   ParameterDrift drift;
   drift.share = slopes.front().removed / energy;
   for (const Slope& slope : slopes)

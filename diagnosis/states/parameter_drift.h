@@ -15,7 +15,8 @@ struct ParameterDriftOptions {
   double beyond_functions = 2;   ///< ... and of what functions of states and inputs take away
   double least_t = 3;            ///< ... over its standard error by pieces
   double least_sizes = 5;        ///< standard errors of the drift itself
-  double rival_share = 0.9;      ///< of what the best takes away: another parameter that takes as much may drift in its place
+  double rival_share =
+      0.9;  ///< of what the best takes away: another parameter that takes as much may drift in its place
 };
 
 /// A parameter that moved evenly while the log was recorded.

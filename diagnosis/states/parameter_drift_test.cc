@@ -55,8 +55,7 @@ Episode Swung(double growth, double process_noise, unsigned seed) {
     episode.time.push_back(kSwingPeriod * row);
     episode.signal(row, 0) = u;
     episode.signal(row, 1) = x + 0.005 * normal(random);
-    const double step = kSwingPeriod / kSwingSubsteps,
-                 rate = kSwingRate * (1 + growth * row / kSwingRows);
+    const double step = kSwingPeriod / kSwingSubsteps, rate = kSwingRate * (1 + growth * row / kSwingRows);
     v += process_noise * normal(random);
     for (int k = 0; k < kSwingSubsteps; ++k) {
       v += step * (rate * rate * (u - x) - kSwingDamping * v);
@@ -89,7 +88,8 @@ TEST(ParameterDrift, NoiseOfSensorOrProcessIsNone) {
     for (const double process : {0.0, 3.0}) {
       const Episode episode = Swung(0, process, seed);
       const StateFit fit = FitStates(BuildStateModel(Swinging(), {}).value(), std::span(&episode, 1));
-      EXPECT_FALSE(FindParameterDrift(fit, RemainderOf(fit, std::span(&episode, 1)))) << seed << " " << process;
+      EXPECT_FALSE(FindParameterDrift(fit, RemainderOf(fit, std::span(&episode, 1))))
+          << seed << " " << process;
     }
 }
 
