@@ -46,7 +46,7 @@ Machine Store(const std::string& more = "") {
 /// Inputs of an episode answered by the true store (the cube, 0.3), with noise.
 Episode Answered(Episode episode, std::uint32_t seed) {
   constexpr int kSteps = 20;
-  constexpr double kNoise = 1e-3;
+  constexpr double kNoise = 5e-4;
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, kNoise);
   double x = 0.9;
