@@ -402,12 +402,12 @@ class EffectSearch {
   /// A law that the log shows too seldom may be in what the final set leaves.
   bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
 
-  /// Whether what the final set leaves lasts over many rows and is more than what it explains: that is no noise of sensors, and
-  /// the set may only stand in for a part of it.
-  bool HidesMore() const {
+  /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors;
+  /// of more than 1 the set may only stand in for a part. 0: nothing does.
+  double SlowShare() const {
     const double foreseen = 1 - OneStepShare(out_.final.fit);
-    return !out_.final_left.structured && foreseen > 1 - kSlowError * kSlowError &&
-           out_.base.held_out - out_.final.held_out < foreseen * out_.final.held_out;
+    if (out_.final_left.structured || foreseen <= 1 - kSlowError * kSlowError) return 0;
+    return foreseen * out_.final.held_out / std::max(out_.base.held_out - out_.final.held_out, 1e-300);
   }
 
   void Conclude() {
@@ -431,13 +431,14 @@ class EffectSearch {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
-    if (HidesMore()) {
-      out_.warnings.push_back(MoreIsSlow());
+    const double slow = SlowShare();
+    if (slow > 0) out_.warnings.push_back(MoreIsSlow(slow));
+    if (slow > 1) {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
-    out_.partial = out_.final_left.structured;
-    if (out_.partial) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
+    out_.partial = out_.final_left.structured || slow > 0;
+    if (out_.final_left.structured) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {
       out_.verdict = Verdict::kUnknown;

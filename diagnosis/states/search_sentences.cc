@@ -26,12 +26,13 @@ Told MayBeMissing(const StateRemainder& left) {
       left.about, 100 * left.least_share, 100 * left.p_value);
 }
 
-Told MoreIsSlow() {
+Told MoreIsSlow(double share) {
   return Tell(
-      "what is left lasts over many rows, and is more than what this explains: dynamics may be missing (a lag, a further "
-      "mode), noise acts on the process itself, or a disturbance is not measured",
-      "was bleibt, dauert über viele Zeilen, und ist mehr, als dies erklärt: Dynamik kann fehlen (eine Verzögerung, eine weitere "
-      "Eigenform), Rauschen wirkt auf den Prozess selbst, oder eine Störung wird nicht gemessen");
+      "what is left lasts over many rows, and its energy is {:.2g} times that of what this explains: dynamics may be missing (a "
+      "lag, a further mode), noise acts on the process itself, or a disturbance is not measured",
+      "was bleibt, dauert über viele Zeilen, und seine Energie ist das {:.2g}fache dessen, was dies erklärt: Dynamik kann fehlen "
+      "(eine Verzögerung, eine weitere Eigenform), Rauschen wirkt auf den Prozess selbst, oder eine Störung wird nicht gemessen",
+      share);
 }
 
 Told NotToldFrom(const std::string& effect, const LikeFunction& like) {

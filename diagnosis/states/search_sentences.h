@@ -15,8 +15,8 @@ Told CannotBeTried(const std::string& effect, const Told& why);
 Told MoreIsMissing(const StateRemainder& left, double unexplained);
 /// A law may be missing that the log shows too seldom.
 Told MayBeMissing(const StateRemainder& left);
-/// What is left is no noise of sensors, and more than what was found.
-Told MoreIsSlow();
+/// What is left is no noise of sensors; `share`: of what was found.
+Told MoreIsSlow(double share);
 /// A weak effect that a function without a name could stand in for.
 Told NotToldFrom(const std::string& effect, const LikeFunction& like);
 
