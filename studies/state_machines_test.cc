@@ -113,11 +113,12 @@ TEST(StateMachines, ALongLogIsSearchedInPieces) {
   EXPECT_LT(x.final.held_out, 0.05 * x.base.held_out);
 }
 
-/// Healthy, with small laws that no file has and that drag or leak take a part of; an overflow that is not in the file.
+/// Healthy, with small laws that no file has and that drag or leak take a part of; overflows that are not in the file, one of them
+/// imitated by two effects together.
 TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
-  StateMachinesOptions options;
-  options.seed = 53;
-  for (const int number : {19, 165}) {
+  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {4411, 19}}) {
+    StateMachinesOptions options;
+    options.seed = static_cast<std::uint32_t>(seed);
     const StateMachineOutcome outcome = RunCase(number, options);
     EXPECT_EQ(outcome.score.wrong, 0) << outcome.line;
   }

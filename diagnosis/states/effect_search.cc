@@ -351,19 +351,34 @@ class EffectSearch {
     return best->named;
   }
 
-  /// Takes from the set found what is too weak to be told from laws that nobody has named.
+  /// Share of what the set found explains that it does not without one of its effects.
+  double ShareOf(const std::string& id) {
+    if (out_.final.added.size() == 1) return 1;
+    const StateCandidate& without = Without(id);
+    if (!without.fitted()) return 1;
+    return (without.held_out - out_.final.held_out) /
+           std::max(out_.base.held_out - out_.final.held_out, 1e-300);
+  }
+
+  /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, the others
+  /// may stand in for the rest of such a law: nothing is named.
   void LeaveOutUnspecific() {
     std::vector<std::string> named;
+    bool leans = false;
     for (const std::string& id : out_.final.added) {
       const std::optional<LikeFunction> like = FunctionFor(id);
       if (!like) {
         named.push_back(id);
         continue;
       }
+      leans = leans || ShareOf(id) > options_.leans_share;
       out_.nearest.push_back(id);
       out_.warnings.push_back(NotToldFrom(id, *like));
     }
-    out_.set = std::move(named);
+    if (leans)
+      out_.nearest = out_.final.added;
+    else
+      out_.set = std::move(named);
   }
 
   /// Rivals of the set found: of the same size, and hardly worse.

@@ -53,7 +53,10 @@ struct ExplainStatesOptions {
       0.2;  ///< of the energy that functions can predict: what a further effect must take away
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   double left_share =
-      0.02;               ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
+      0.02;  ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
+  /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
+  /// the set is named.
+  double leans_share = 0.1;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   double near_law =
       0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
