@@ -12,6 +12,7 @@
 #include "core/told_error.h"
 #include "diagnosis/states/candidate_fits.h"
 #include "diagnosis/states/law_terms.h"
+#include "diagnosis/states/missing_dynamics.h"
 #include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/spread_pieces.h"
@@ -417,12 +418,22 @@ class EffectSearch {
   /// A law that the log shows too seldom may be in what the final set leaves.
   bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
 
+  /// A share of what the final set leaves, of what it explains.
+  double OfExplained(double share) const {
+    return share * out_.final.held_out / std::max(out_.base.held_out - out_.final.held_out, 1e-300);
+  }
+
   /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors;
   /// of more than 1 the set may only stand in for a part. 0: nothing does.
   double SlowShare() const {
     const double foreseen = 1 - OneStepShare(out_.final.fit);
     if (out_.final_left.structured || foreseen <= 1 - kSlowError * kSlowError) return 0;
-    return foreseen * out_.final.held_out / std::max(out_.base.held_out - out_.final.held_out, 1e-300);
+    return OfExplained(foreseen);
+  }
+
+  void TellDynamics() {
+    out_.dynamics = FindMissingDynamics(out_.final.fit, out_.final_left, episodes_);
+    if (out_.dynamics) out_.warnings.push_back(MissingDynamicsText(*out_.dynamics));
   }
 
   void Conclude() {
@@ -433,6 +444,7 @@ class EffectSearch {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
+    TellDynamics();
     if (!out_.final.added.empty() && !Complete() && !CompleteWithFewer()) {
       out_.LeaveUnknown(out_.final.added);
       return;
@@ -443,16 +455,16 @@ class EffectSearch {
       return;
     }
     if (out_.final.added.empty()) {
-      out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
+      out_.verdict = out_.base_left.structured || out_.dynamics ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
-    const double slow = SlowShare();
+    const double slow = out_.dynamics ? 0 : SlowShare();
     if (slow > 0) out_.warnings.push_back(MoreIsSlow(slow));
-    if (slow > 1) {
+    if (slow > 1 || (out_.dynamics && OfExplained(*out_.dynamics) > options_.dynamics_share)) {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
-    out_.partial = out_.final_left.structured || slow > 0;
+    out_.partial = out_.final_left.structured || out_.dynamics || slow > 0;
     if (out_.final_left.structured) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {

@@ -135,7 +135,7 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
                     LeavesColoured(out.final, options.white_readings);
   // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
   const auto drift = FindParameterDrift(out.final.fit, out.final_left);
-  if ((out.set.empty() || lost) && (!drift || drift->share < options.drifts_share)) {
+  if ((out.set.empty() || lost) && !out.dynamics && (!drift || drift->share < options.drifts_share)) {
     const NoisyRuns runs(machine, tried, options);
     if (lost && !runs.empty()) {
       StatesExplanation short_runs = runs.Explain(kAstrayText);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,8 @@ struct ExplainStatesOptions {
   /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
   /// the set is named.
   double leans_share = 0.1;
+  /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
+  double dynamics_share = 0.25;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   double near_law =
       0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
@@ -89,6 +92,7 @@ struct StatesExplanation {
   std::vector<Episode>
       runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
   StateRemainder base_left, final_left;
+  std::optional<double> dynamics;                     ///< FindMissingDynamics of `final`
   std::vector<StateCandidate> ranking;                ///< single effects, best first; some as foreseen
   std::map<std::string, EffectSeen> not_seen;         ///< effects that these episodes cannot show, and why
   std::vector<std::pair<std::string, double>> steps;  ///< effect added ("" = none), ErrorLeftOut

@@ -53,7 +53,8 @@ class LeaveOut {
   }
 
   std::vector<LeftOutForms> Forms(std::initializer_list<double> penalties) const {
-    const Eigen::Index pieces = columns_.pieces(), own = columns_.parameters_, functions = columns_.functions_;
+    const Eigen::Index pieces = columns_.pieces(), own = columns_.parameters_,
+                       functions = columns_.functions_;
     const LeftOutForms none{Eigen::MatrixXd::Zero(pieces, pieces), Eigen::MatrixXd::Zero(pieces, pieces)};
     std::vector<LeftOutForms> out(penalties.size(), none);
     Eigen::Index first = 0;

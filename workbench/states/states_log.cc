@@ -129,10 +129,11 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
     out.other_hold = FindOtherHold(out.fit, log.episodes);
   }
   out.drift = FindParameterDrift(out.fit, out.left);
+  out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
   if (Coloured(out.error, out.left))
     if (const auto other = FindOtherBeginning(out.fit, log.episodes))
       log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));
-  if (out.slow() && !out.drift) {
+  if (out.slow() && !out.drift && !out.dynamics) {
     StateFit prediction = PredictStates(out.fit, log.episodes);
     if (prediction.solved() &&
         Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)

@@ -8,6 +8,7 @@
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/input_hold.h"
+#include "diagnosis/states/missing_dynamics.h"
 #include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/parameter_drift.h"
 #include "diagnosis/states/state_experiment.h"
@@ -55,7 +56,9 @@ struct StatesFit {
   }
   /// What is left is no white noise, and a law may be in it that the log shows too seldom.
   bool may_lack_law() const { return left.doubtful && error.coloured(); }
-  bool noise_alone() const { return !left.structured && !may_lack_law() && !astray() && !slow(); }
+  bool noise_alone() const {
+    return !left.structured && !may_lack_law() && !astray() && !slow() && !dynamics;
+  }
 
   EpisodeLog log;
   StateFit fit;
@@ -64,6 +67,7 @@ struct StatesFit {
   std::optional<OtherHold> other_hold;
   std::optional<DoubtedLimit> doubted_limit;
   std::optional<ParameterDrift> drift;  ///< over the log
+  std::optional<double> dynamics;       ///< FindMissingDynamics
   StatesError error;
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
   std::optional<StateFit> prediction;

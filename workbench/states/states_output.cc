@@ -306,6 +306,8 @@ std::string CompareText(const StatesFit& fit) {
       fit.left.structured
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
       : fit.astray() ? "The model hardly follows what was measured.\n"
+      : fit.dynamics
+          ? "The model misses dynamics: what it leaves can be predicted from the past of inputs and states.\n"
       : fit.slow() ? "What is left lasts over many rows, and no function of states and inputs predicts it.\n"
       : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
                            : "The model describes these episodes; noise alone is left.\n";
@@ -334,7 +336,8 @@ nlohmann::json CompareJson(const StatesFit& fit) {
   out["rms_residual"] = fit.error.rms;
   out["free_run"] = fit.error.rms;
   out["one_step"] = fit.error.one_step;
-  out["model_error_seen"] = fit.astray() ? nlohmann::json() : nlohmann::json(fit.left.structured);
+  out["model_error_seen"] =
+      fit.astray() ? nlohmann::json() : nlohmann::json(fit.left.structured || fit.dynamics);
   out["per_stroke"] = EpisodesJson(fit);
   out["located"] = LocatedJson(fit.located);
   out["maps"] = MapsJson(fit.located);
@@ -365,7 +368,7 @@ std::string ExplainText(const StatesExplained& e) {
   std::string text = VerdictText(e);
   text +=
       fmt::format("Free-run error on pieces left out {}, {} {}.\n", ErrorText(e.final, e.final.rms_holdout),
-                  NoiseWords(!x.final_left.structured && !x.astray && !e.final.slow()),
+                  NoiseWords(!x.final_left.structured && !x.astray && !x.dynamics && !e.final.slow()),
                   ErrorText(e.final, e.final.noise_floor));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);

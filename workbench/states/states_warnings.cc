@@ -91,13 +91,14 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
         "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
         100 * fit.left.least_share, fit.left.about));
   if (fit.doubted_limit) warnings.push_back(DoubtedLimitText(*fit.doubted_limit));
+  if (fit.dynamics) warnings.push_back(MissingDynamicsText(*fit.dynamics));
   if (fit.drift) warnings.push_back(ParameterDriftText(*fit.drift));
   if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));
   else if (fit.may_lack_law())
     warnings.push_back(MayBeMissing(fit.left));
-  else if (fit.slow() && !fit.drift)
+  else if (fit.slow() && !fit.drift && !fit.dynamics)
     warnings.push_back(SlowText(
         fit.prediction ? Tell("; the parameters are those that predict one row ahead best",
                               "; die Parameter sind die, die eine Zeile voraus am besten voraussagen")
