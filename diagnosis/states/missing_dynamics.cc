@@ -72,7 +72,8 @@ double LeftOf(const Eigen::MatrixXd& columns) {
 }
 
 /// Whether past errors foresee an input beyond what its own past does (Granger 1969): somebody controls by what is measured.
-bool IsFedBack(const StateFit& fit, std::span<const Episode> episodes, const MissingDynamicsOptions& options) {
+bool IsFedBack(const StateFit& fit, std::span<const Episode> episodes,
+               const MissingDynamicsOptions& options) {
   const Eigen::Index lags = options.feedback_rows, outputs = fit.model->output.rows;
   for (const int input : fit.model->inputs) {
     double alone = 0, with_errors = 0, variation = 0;
@@ -87,10 +88,8 @@ bool IsFedBack(const StateFit& fit, std::span<const Episode> episodes, const Mis
       for (Eigen::Index lag = 0; lag < lags; ++lag) {
         columns.col(lag) = u.segment(lag, rows);
         for (Eigen::Index j = 0; j < outputs; ++j)
-          columns.col(lags * (1 + j) + lag) =
-              residual.col(j).segment(lag, rows).unaryExpr([&](double value) {
-                return std::isfinite(value) ? value / fit.noise[j] : 0.0;
-              });
+          columns.col(lags * (1 + j) + lag) = residual.col(j).segment(lag, rows).unaryExpr(
+              [&](double value) { return std::isfinite(value) ? value / fit.noise[j] : 0.0; });
       }
       columns.rightCols(1) = u.tail(rows);
       Eigen::MatrixXd own(rows, lags + 1);
@@ -111,8 +110,7 @@ std::optional<double> FindMissingDynamics(const StateFit& fit, const StateRemain
                                           const MissingDynamicsOptions& options) {
   const int outputs = fit.model->output.rows,
             drivers = static_cast<int>(fit.model->inputs.size()) + fit.model->states(),
-            frequencies =
-                std::clamp(options.columns / (3 * drivers * outputs), 1, options.frequencies);
+            frequencies = std::clamp(options.columns / (3 * drivers * outputs), 1, options.frequencies);
   if (IsFedBack(fit, episodes, options)) return std::nullopt;
   const std::vector<std::complex<double>> poles = Poles(frequencies, options);
   LeftOutColumns columns(fit, episodes.size(), 3 * frequencies * drivers * outputs);

@@ -9,16 +9,17 @@
 namespace hydroscope {
 
 struct MissingDynamicsOptions {
-  int columns = 240;        ///< at most
-  int frequencies = 8;      ///< of the filters, at most ...
-  double slowest = 0.003;   ///< ... from so many cycles a row ...
-  double fastest = 0.3;     ///< ... to so many
-  double damping = 0.2;     ///< of those that swing
-  double max_p = 0.01;      ///< beyond: chance
-  double min_share = 0.1;   ///< of the error's energy: less is not worth a word
+  int columns = 240;               ///< at most
+  int frequencies = 8;             ///< of the filters, at most ...
+  double slowest = 0.003;          ///< ... from so many cycles a row ...
+  double fastest = 0.3;            ///< ... to so many
+  double damping = 0.2;            ///< of those that swing
+  double max_p = 0.01;             ///< beyond: chance
+  double min_share = 0.1;          ///< of the error's energy: less is not worth a word
   double beyond_functions = 1.35;  ///< ... and of what functions of the present predict of it
-  int feedback_rows = 8;    ///< past of inputs and errors by which feedback is looked for
-  double feedback = 0.03;   ///< share of what an input's past does not foresee that past errors do: it is controlled
+  int feedback_rows = 8;           ///< past of inputs and errors by which feedback is looked for
+  double feedback =
+      0.03;  ///< share of what an input's past does not foresee that past errors do: it is controlled
   StateRemainderOptions remainder;
 };
 

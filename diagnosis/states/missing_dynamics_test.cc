@@ -61,7 +61,7 @@ Episode Moved(const LoadTruth& truth, unsigned seed) {
     episode.time.push_back(kLoadPeriod * row);
     episode.signal(row, 0) = u;
     episode.signal(row, 1) = y;
-    const double step = kLoadPeriod / kLoadSubsteps, far_rate = 2.3 * kLoadRate;
+    const double step = kLoadPeriod / kLoadSubsteps, far_rate = 1.5 * kLoadRate;
     for (int k = 0; k < kLoadSubsteps; ++k) {
       const double pull = truth.coupling * kLoadRate * kLoadRate * (far - x);
       v += step * (kLoadRate * kLoadRate * (u + disturbed - x) - kLoadDamping * v + pull);
