@@ -94,7 +94,7 @@ std::string Staircase(const StatesExplained& e) {
                          added.empty() ? Ink::kBlue : Ink::kGreen, added.empty()});
   }
   plot.level = words.factor * e.final.noise_floor;
-  plot.level_label = NoiseWords(!x.final_left.structured && !x.astray && !x.dynamics && !e.final.slow());
+  plot.level_label = NoiseWords(e.noise_alone());
   plot.note_width = 90;
   return "<h2>The error falls</h2>\n" +
          Figure(RenderRows(plot), "Error of the free run on pieces of the log that the fit did not see.");

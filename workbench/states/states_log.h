@@ -101,6 +101,11 @@ struct StatesExplained {
   std::vector<OutputErrors> located;  ///< of the model as it is
   std::optional<ShownLaw> missing;    ///< verdict unknown: what is missing in the model with what was found
 
+  /// What the set found leaves is noise for all that can be seen.
+  bool noise_alone() const {
+    return !explanation.final_left.structured && !explanation.astray && !explanation.dynamics &&
+           !final.slow();
+  }
   /// Nothing is named, and yet errors last over many rows (StatesFit::slow).
   bool slow() const { return explanation.verdict == Verdict::kAdequate && base.slow(); }
 };

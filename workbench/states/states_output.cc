@@ -368,8 +368,7 @@ std::string ExplainText(const StatesExplained& e) {
   std::string text = VerdictText(e);
   text +=
       fmt::format("Free-run error on pieces left out {}, {} {}.\n", ErrorText(e.final, e.final.rms_holdout),
-                  NoiseWords(!x.final_left.structured && !x.astray && !x.dynamics && !e.final.slow()),
-                  ErrorText(e.final, e.final.noise_floor));
+                  NoiseWords(e.noise_alone()), ErrorText(e.final, e.final.noise_floor));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);
   const ErrorWords words = ErrorWordsOf(e.base);
@@ -433,6 +432,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
           {"warnings", InEnglish(warnings)},
           {"german", {{"warnings", InGerman(warnings)}, {"experiment", record ? record->german : ""}}},
           {"noise_floor", e.final.noise_floor},
+          {"noise_at_most", !e.noise_alone()},
           {"strokes", e.log.episodes.size()},
           {"unit", e.base.unit.name},
           {"base",

@@ -19,13 +19,14 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
-  const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: amount(explain.noise_floor, unit) };
+  const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: say(explain.noise_at_most ? "noiseAtMost" : "noiseAlone", { noise: amount(explain.noise_floor, unit) }) };
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
       <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.slow ? "slow" : explain.verdict)}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
+      {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
