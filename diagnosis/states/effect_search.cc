@@ -444,8 +444,9 @@ class EffectSearch {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
+    const bool complete = out_.final.added.empty() || Complete() || CompleteWithFewer();
     TellDynamics();
-    if (!out_.final.added.empty() && !Complete() && !CompleteWithFewer()) {
+    if (!complete) {
       out_.LeaveUnknown(out_.final.added);
       return;
     }

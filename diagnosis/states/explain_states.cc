@@ -109,11 +109,26 @@ constexpr Wording kCoveredText = {
 constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
                                  "ein freier Lauf über ganze Episoden verliert sich"};
 
-/// Whether the set found leaves clearly less than a limit that is taken out of the machine.
-bool LeavesLess(const StatesExplanation& found, const DoubtedLimit& limit) {
+/// A limit of the machine file that is in doubt (FindDoubtedLimit), unless the set found leaves clearly less than the machine
+/// without that limit.
+std::optional<DoubtedLimit> LimitInDoubt(const StatesExplanation& found, std::span<const Episode> episodes,
+                                         const ExplainStatesOptions& options) {
+  if (!found.base_left.structured && !LeavesColoured(found.base, options.white_readings)) return std::nullopt;
+  const auto limit = FindDoubtedLimit(found.base.fit, episodes);
   const double error = found.final.fit.noise.cwiseQuotient(found.base.fit.noise).norm() /
                        std::sqrt(static_cast<double>(found.base.fit.noise.size()));
-  return 2 * error < limit.error;
+  return limit && options.limit_margin * error >= limit->error ? limit : std::nullopt;
+}
+
+/// Of a machine file with a limit in doubt nothing else is said.
+StatesExplanation WithoutEffects(StatesExplanation found, const DoubtedLimit& limit) {
+  found.final = found.base;
+  found.final_left = found.base_left;
+  found.dynamics.reset();
+  found.steps.resize(1);
+  found.LeaveUnknown({});
+  found.warnings = {DoubtedLimitText(limit)};
+  return found;
 }
 
 StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
@@ -122,19 +137,11 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
   StatesExplanation out = SearchEffects(machine, tried, tried.size(), options);
   if (!out.base.fit.solved()) return out;
-  if (out.base_left.structured || LeavesColoured(out.base, options.white_readings))
-    if (const auto limit = FindDoubtedLimit(out.base.fit, tried); limit && !LeavesLess(out, *limit)) {
-      out.final = out.base;
-      out.final_left = out.base_left;
-      out.steps.resize(1);
-      out.LeaveUnknown({});
-      out.warnings = {DoubtedLimitText(*limit)};
-      return out;
-    }
+  if (const auto limit = LimitInDoubt(out, tried, options)) return WithoutEffects(std::move(out), *limit);
   const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
                     LeavesColoured(out.final, options.white_readings);
-  // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
   const auto drift = FindParameterDrift(out.final.fit, out.final_left);
+  // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
   if ((out.set.empty() || lost) && !out.dynamics && (!drift || drift->share < options.drifts_share)) {
     const NoisyRuns runs(machine, tried, options);
     if (lost && !runs.empty()) {
