@@ -55,8 +55,8 @@ struct ExplainStatesOptions {
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   double left_share =
       0.02;  ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
-  double limit_margin =
-      2;  ///< what a machine without a limit leaves of what a set leaves, from which on the set stands
+  /// A set stands against a limit in doubt if it leaves less than the machine does without that limit, divided by this.
+  double limit_margin = 2;
   /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
   /// the set is named.
   double leans_share = 0.1;
