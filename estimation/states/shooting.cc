@@ -257,8 +257,6 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
   options.logging_type = ceres::SILENT;
   options.function_tolerance = tolerance;
   options.parameter_tolerance = 1e-3 * tolerance;
-  // Along a step that a range cuts short: cubics would ask for sensitivities at every trial.
-  options.line_search_interpolation_type = ceres::QUADRATIC;
   options.num_threads = 1;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
