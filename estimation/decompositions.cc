@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 
 namespace hydroscope {
 
@@ -17,6 +18,14 @@ double SymmetricFactor::ReciprocalCondition() const { return factor_.rcond(); }
 Eigen::VectorXd SymmetricFactor::Solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
 Eigen::MatrixXd SymmetricFactor::SolveColumns(const Eigen::MatrixXd& right) const {
   return factor_.solve(right);
+}
+
+double EnergyLeft(const Eigen::MatrixXd& products) {
+  const Eigen::Index last = products.rows() - 1;
+  Eigen::MatrixXd own = products.topLeftCorner(last, last);
+  own.diagonal().array() *= 1 + 1e-9;
+  const Eigen::VectorXd cross = products.col(last).head(last);
+  return std::max(0.0, products(last, last) - cross.dot(SymmetricFactor(own).Solve(cross)));
 }
 
 PositiveFactor::PositiveFactor(const Eigen::MatrixXd& positive) : factor_(positive) {}

@@ -29,6 +29,9 @@ class SymmetricFactor {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
+/// Energy of what a regression on the other columns leaves of the last one, from products of all with all.
+double EnergyLeft(const Eigen::MatrixXd& products);
+
 /// LL' of a positive definite matrix; its lower triangle is read.
 class PositiveFactor {
  public:

@@ -12,11 +12,10 @@
 #include "core/told_error.h"
 #include "diagnosis/states/candidate_fits.h"
 #include "diagnosis/states/law_terms.h"
-#include "diagnosis/states/missing_dynamics.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/spread_pieces.h"
-#include "estimation/states/one_step.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -225,7 +224,7 @@ class EffectSearch {
 
   /// Whether the best set needs no further look at the others.
   bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
-    return Better(sets) && Unexplained(sets.front(), left) <= LeftShare(sets.front());
+    return Better(sets) && out_.Unexplained(sets.front(), left) <= LeftShare(sets.front());
   }
 
   /// Whether sets of which linearisation promises little are fitted too: what is left is structured, or it is no white noise and
@@ -395,14 +394,6 @@ class EffectSearch {
     return rivals;
   }
 
-  /// Predictable energy that a set leaves, of what was there.
-  double Unexplained(const StateCandidate& set, const StateRemainder& left) const {
-    if (!left.structured) return 0;
-    const double predictable = out_.base.held_out * out_.base_left.least_share;
-    return set.held_out * left.least_share /
-           std::max({predictable, out_.base.held_out - set.held_out, 1e-300});
-  }
-
   /// What a complete explanation may leave of it.
   double LeftShare(const StateCandidate& set) const {
     const auto effects = static_cast<double>(set.added.size());
@@ -411,26 +402,17 @@ class EffectSearch {
 
   /// Whether nothing that functions can predict is left, or next to nothing of what they could before. `unexplained` is told.
   bool Complete() {
-    out_.unexplained = Unexplained(out_.final, out_.final_left);
+    out_.unexplained = out_.Unexplained(out_.final, out_.final_left);
     return out_.unexplained <= LeftShare(out_.final);
   }
 
   /// A law that the log shows too seldom may be in what the final set leaves.
   bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
 
-  /// A share of what the final set leaves, of what it explains.
-  double OfExplained(double share) const {
-    return share * out_.final.held_out / std::max(out_.base.held_out - out_.final.held_out, 1e-300);
+  void TellDrift() {
+    out_.drift = FindParameterDrift(out_.final.fit, out_.final_left);
+    if (out_.drift) out_.warnings.push_back(ParameterDriftText(*out_.drift));
   }
-
-  /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors;
-  /// of more than 1 the set may only stand in for a part. 0: nothing does.
-  double SlowShare() const {
-    const double foreseen = 1 - OneStepShare(out_.final.fit);
-    if (out_.final_left.structured || foreseen <= 1 - kSlowError * kSlowError) return 0;
-    return OfExplained(foreseen);
-  }
-
   void TellDynamics() {
     out_.dynamics = FindMissingDynamics(out_.final.fit, out_.final_left, episodes_);
     if (out_.dynamics) out_.warnings.push_back(MissingDynamicsText(*out_.dynamics));
@@ -441,11 +423,13 @@ class EffectSearch {
     TakeSteps();
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;
+      TellDrift();
       out_.LeaveUnknown(out_.final.added);
       return;
     }
     const bool complete = out_.final.added.empty() || Complete() || CompleteWithFewer();
     TellDynamics();
+    TellDrift();
     if (!complete) {
       out_.LeaveUnknown(out_.final.added);
       return;
@@ -456,12 +440,13 @@ class EffectSearch {
       return;
     }
     if (out_.final.added.empty()) {
-      out_.verdict = out_.base_left.structured || out_.dynamics ? Verdict::kUnknown : Verdict::kAdequate;
+      out_.verdict =
+          out_.base_left.structured || out_.dynamics || out_.drift ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
-    const double slow = out_.dynamics ? 0 : SlowShare();
+    const double slow = out_.dynamics ? 0 : out_.SlowShare();
     if (slow > 0) out_.warnings.push_back(MoreIsSlow(slow));
-    if (slow > 1 || (out_.dynamics && OfExplained(*out_.dynamics) > options_.dynamics_share)) {
+    if (slow > 1 || (out_.dynamics && out_.OfExplained(*out_.dynamics) > options_.dynamics_share)) {
       out_.LeaveUnknown(out_.final.added);
       return;
     }

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "diagnosis/states/effect_search.h"
-#include "diagnosis/states/parameter_drift.h"
+#include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
-#include "diagnosis/states/state_limit.h"
+#include "estimation/states/one_step.h"
 
 namespace hydroscope {
 namespace {
@@ -125,6 +125,7 @@ StatesExplanation WithoutEffects(StatesExplanation found, const DoubtedLimit& li
   found.final = found.base;
   found.final_left = found.base_left;
   found.dynamics.reset();
+  found.drift.reset();
   found.steps.resize(1);
   found.LeaveUnknown({});
   found.warnings = {DoubtedLimitText(limit)};
@@ -140,9 +141,9 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   if (const auto limit = LimitInDoubt(out, tried, options)) return WithoutEffects(std::move(out), *limit);
   const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
                     LeavesColoured(out.final, options.white_readings);
-  const auto drift = FindParameterDrift(out.final.fit, out.final_left);
+  const bool told = out.dynamics || (out.drift && out.drift->share >= options.drifts_share);
   // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
-  if ((out.set.empty() || lost) && !out.dynamics && (!drift || drift->share < options.drifts_share)) {
+  if ((out.set.empty() || lost) && !told) {
     const NoisyRuns runs(machine, tried, options);
     if (lost && !runs.empty()) {
       StatesExplanation short_runs = runs.Explain(kAstrayText);
@@ -164,16 +165,6 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   return out;
 }
 
-/// A parameter that moves during the log leaves errors that no function of states and inputs predicts: told, and no all-clear.
-StatesExplanation WithDriftTold(StatesExplanation found) {
-  if (!found.base.fit.solved()) return found;
-  if (const auto drift = FindParameterDrift(found.final.fit, found.final_left)) {
-    found.warnings.push_back(ParameterDriftText(*drift));
-    if (found.verdict == Verdict::kAdequate) found.LeaveUnknown({});
-  }
-  return found;
-}
-
 }  // namespace
 
 void StatesExplanation::LeaveUnknown(std::vector<std::string> helped) {
@@ -183,6 +174,21 @@ void StatesExplanation::LeaveUnknown(std::vector<std::string> helped) {
   rivals.clear();
   nearest = std::move(helped);
   partial = !nearest.empty();
+}
+
+double StatesExplanation::Unexplained(const StateCandidate& by, const StateRemainder& left) const {
+  if (!left.structured) return 0;
+  const double predictable = base.held_out * base_left.least_share;
+  return by.held_out * left.least_share / std::max({predictable, base.held_out - by.held_out, 1e-300});
+}
+
+double StatesExplanation::OfExplained(double share) const {
+  return share * final.held_out / std::max(base.held_out - final.held_out, 1e-300);
+}
+
+double StatesExplanation::SlowShare() const {
+  const double foreseen = 1 - OneStepShare(final.fit);
+  return final_left.structured || foreseen <= 1 - kSlowError * kSlowError ? 0 : OfExplained(foreseen);
 }
 
 void StatesExplanation::AddRival(StateCandidate rival) {
@@ -206,9 +212,8 @@ StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode>
   const bool means = std::any_of(episodes.begin(), episodes.end(),
                                  [](const Episode& episode) { return episode.mean_rows > 1; });
   std::vector<Episode> runs = means ? ShortRuns(episodes, options.means.readings) : std::vector<Episode>();
-  return WithDriftTold(runs.empty()
-                           ? ExplainEpisodes(machine, episodes, options)
-                           : ExplainRuns(machine, std::move(runs), options.means, "revolutions", options));
+  return runs.empty() ? ExplainEpisodes(machine, episodes, options)
+                      : ExplainRuns(machine, std::move(runs), options.means, "revolutions", options);
 }
 
 }  // namespace hydroscope

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/explain.h"
+#include "diagnosis/states/other_causes/parameter_drift.h"
 #include "diagnosis/states/remainder.h"
 #include "diagnosis/states/screened_effect.h"
 #include "diagnosis/states/specificity.h"
@@ -95,6 +96,7 @@ struct StatesExplanation {
       runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
   StateRemainder base_left, final_left;
   std::optional<double> dynamics;                     ///< FindMissingDynamics of `final`
+  std::optional<ParameterDrift> drift;                ///< ... and FindParameterDrift
   std::vector<StateCandidate> ranking;                ///< single effects, best first; some as foreseen
   std::map<std::string, EffectSeen> not_seen;         ///< effects that these episodes cannot show, and why
   std::vector<std::pair<std::string, double>> steps;  ///< effect added ("" = none), ErrorLeftOut
@@ -104,6 +106,14 @@ struct StatesExplanation {
 
   /// Whether something is missing at all is in doubt: unknown for lack of an all-clear.
   bool only_doubtful() const { return base_left.doubtful && final.added.empty(); }
+
+  /// Predictable energy that a set leaves, of what was there; `left`: by it.
+  double Unexplained(const StateCandidate& by, const StateRemainder& left) const;
+  /// A share of what the final set leaves, of what it explains.
+  double OfExplained(double share) const;
+  /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors;
+  /// of more than 1 the set may only stand in for a part. 0: nothing does.
+  double SlowShare() const;
 
   /// Nothing is named; `helped`: the effects that explain a part.
   void LeaveUnknown(std::vector<std::string> helped);

@@ -142,9 +142,8 @@ void LeftOutColumns::Add(const StateFit& fit, std::size_t episode, const RowMatr
     const auto rows = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
     const auto functions = rows.leftCols(size);
     Eigen::MatrixXd& group = groups_[static_cast<std::size_t>(g)];
-    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, size);
-    products.selfadjointView<Eigen::Lower>().rankUpdate(functions.transpose());
-    group += products.selfadjointView<Eigen::Lower>();
+    group.selfadjointView<Eigen::Lower>().rankUpdate(functions.transpose());
+    group.triangularView<Eigen::StrictlyUpper>() = group.transpose();
     gradient_.col(p) = functions.transpose() * rows.col(size);
     energy_[p] = rows.col(size).squaredNorm();
   }

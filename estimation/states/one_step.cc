@@ -1,6 +1,5 @@
 #include "estimation/states/one_step.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "estimation/decompositions.h"
@@ -19,11 +18,7 @@ double OneStepError(const StateFit& fit, int output) {
       count += 1;
     }
   if (!(count > 2 * kOrder)) return fit.noise[output];
-  Eigen::MatrixXd own = information.topLeftCorner(kOrder, kOrder);
-  own.diagonal().array() *= 1 + 1e-9;
-  const Eigen::VectorXd cross = information.col(kOrder).head(kOrder);
-  return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(SymmetricFactor(own).Solve(cross))) /
-                   count);
+  return std::sqrt(EnergyLeft(information) / count);
 }
 
 double OneStepShare(const StateFit& fit) {

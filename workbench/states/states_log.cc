@@ -10,7 +10,7 @@
 #include "core/cannot_write.h"
 #include "core/told_error.h"
 #include "diagnosis/states/held_out_run.h"
-#include "diagnosis/states/initial_values.h"
+#include "diagnosis/states/other_causes/initial_values.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"

@@ -7,12 +7,12 @@
 #include "core/records.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
-#include "diagnosis/states/input_hold.h"
-#include "diagnosis/states/missing_dynamics.h"
 #include "diagnosis/states/missing_sensors.h"
-#include "diagnosis/states/parameter_drift.h"
+#include "diagnosis/states/other_causes/input_hold.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
+#include "diagnosis/states/other_causes/parameter_drift.h"
+#include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/state_experiment.h"
-#include "diagnosis/states/state_limit.h"
 #include "estimation/linear_form/starts.h"
 #include "estimation/states/one_step.h"
 #include "models/model_history.h"
@@ -25,8 +25,8 @@ namespace hydroscope {
 /// way says why.
 bool HasStates(const std::string& machine_file);
 
-/// Error of one step over that of the free run, below which it is no white noise: of that, scatter leaves more than 0.98 from 1000
-/// readings on.
+/// Error of one step over that of the free run, below which it is no white noise: from 1000 readings on, scatter leaves more than
+/// 0.98 of such noise.
 inline constexpr double kColouredError = 0.8;
 
 /// How large errors of a model with states are, as shown. Of one output in its unit; of several as a share of each output's

@@ -1,4 +1,4 @@
-#include "diagnosis/states/input_hold.h"
+#include "diagnosis/states/other_causes/input_hold.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnosis/states/initial_values.h"
+#include "diagnosis/states/other_causes/initial_values.h"
 
 #include <gtest/gtest.h>
 

@@ -24,9 +24,10 @@ struct MissingDynamicsOptions {
 };
 
 /// Share of the energy of a fit's error, on pieces of the log left out, that the past of inputs and simulated states predicts where
-/// functions of their present predict (`left`) nothing or far less: dynamics are missing (a lag, a further mode), or a sensor lags. The past is what
-/// filters of the first and second order over a range of frequencies remember of them; errors that are noise are independent of it
-/// (Ljung 1999, 16.6). Nothing if it is less than that of chance, or if past errors act on an input: noise would come back by it.
+/// functions of their present predict (`left`) nothing or far less: dynamics are missing (a lag, a further mode), or a sensor lags.
+/// The past is what filters of the first and second order over a range of frequencies remember of them; errors that are noise are
+/// independent of it (Ljung 1999, 16.6). Nothing if it is less than that of chance, or if past errors act on an input: noise would
+/// come back by it.
 std::optional<double> FindMissingDynamics(const StateFit& fit, const StateRemainder& left,
                                           std::span<const Episode> episodes,
                                           const MissingDynamicsOptions& options = {});

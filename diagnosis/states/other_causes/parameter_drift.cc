@@ -1,4 +1,4 @@
-#include "diagnosis/states/parameter_drift.h"
+#include "diagnosis/states/other_causes/parameter_drift.h"
 
 #include <algorithm>
 #include <cmath>

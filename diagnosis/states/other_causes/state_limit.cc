@@ -1,4 +1,4 @@
-#include "diagnosis/states/state_limit.h"
+#include "diagnosis/states/other_causes/state_limit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnosis/states/parameter_drift.h"
+#include "diagnosis/states/other_causes/parameter_drift.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "diagnosis/states/explain_states.h"
-#include "models/machine.h"
+#include "diagnosis/states/other_causes/mass_on_a_spring_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -17,31 +17,6 @@ using testing::IsEmpty;
 
 constexpr int kSwingRows = 3000, kSwingSubsteps = 10;
 constexpr double kSwingPeriod = 1e-3, kSwingRate = 200, kSwingDamping = 20;  // s, rad/s, 1/s
-
-Machine Swinging() {
-  const auto machine = ParseMachine(R"toml([log]
-hold = "zero"
-[signals]
-u = { column = "u", unit = "1" }
-y = { column = "y", unit = "1" }
-[states]
-x = { ddt = "v", initial = "estimate" }
-v = { ddt = "w0^2*(u - x) - d*v", initial = "estimate" }
-[outputs]
-y = "x"
-[parameters]
-w0 = { start = 180, min = 50, max = 800 }
-d = { start = 10, min = 1, max = 100 }
-
-[[effect]]
-id = "drag"
-adds = { v = "-q*v*abs(v)" }
-parameters = { q = { start = 0.1, min = 0, max = 100 } }
-)toml",
-                                    "swing");
-  EXPECT_TRUE(machine) << machine.error().text;
-  return *machine;
-}
 
 /// An oscillator whose rate grows by a share over the log, under steps; with noise on its process, or none.
 Episode Swung(double growth, double process_noise, unsigned seed) {
@@ -68,14 +43,14 @@ Episode Swung(double growth, double process_noise, unsigned seed) {
 TEST(ParameterDrift, OneThatMovesWithinTheLogIsToldWithItsSizeAndNoAllClearIsGiven) {
   for (const double growth : {0.03, -0.06}) {
     const Episode episode = Swung(growth, 0, 3);
-    const StateFit fit = FitStates(BuildStateModel(Swinging(), {}).value(), std::span(&episode, 1));
+    const StateFit fit = FitStates(BuildStateModel(MassOnASpring(), {}).value(), std::span(&episode, 1));
     const auto drift = FindParameterDrift(fit, RemainderOf(fit, std::span(&episode, 1)));
     ASSERT_TRUE(drift) << growth;
     EXPECT_EQ(drift->moved.front().parameter, "w0");
     EXPECT_NEAR(drift->moved.front().change, growth, 4 * drift->moved.front().std + 0.1 * std::abs(growth));
     EXPECT_GT(drift->share, 0.3);
 
-    const StatesExplanation x = ExplainStates(Swinging(), std::span(&episode, 1));
+    const StatesExplanation x = ExplainStates(MassOnASpring(), std::span(&episode, 1));
     EXPECT_EQ(x.verdict, Verdict::kUnknown) << growth;
     EXPECT_THAT(x.set, IsEmpty());
     ASSERT_FALSE(x.warnings.empty());
@@ -87,7 +62,7 @@ TEST(ParameterDrift, NoiseOfSensorOrProcessIsNone) {
   for (unsigned seed = 1; seed <= 8; ++seed)
     for (const double process : {0.0, 3.0}) {
       const Episode episode = Swung(0, process, seed);
-      const StateFit fit = FitStates(BuildStateModel(Swinging(), {}).value(), std::span(&episode, 1));
+      const StateFit fit = FitStates(BuildStateModel(MassOnASpring(), {}).value(), std::span(&episode, 1));
       EXPECT_FALSE(FindParameterDrift(fit, RemainderOf(fit, std::span(&episode, 1))))
           << seed << " " << process;
     }

@@ -1,4 +1,4 @@
-#include "diagnosis/states/missing_dynamics.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "diagnosis/states/explain_states.h"
-#include "models/machine.h"
+#include "diagnosis/states/other_causes/mass_on_a_spring_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -16,31 +16,6 @@ using testing::HasSubstr;
 
 constexpr int kLoadRows = 2500, kLoadSubsteps = 200;
 constexpr double kLoadPeriod = 1e-3, kLoadRate = 150, kLoadDamping = 30;  // s, rad/s, 1/s
-
-Machine OneLoad() {
-  const auto machine = ParseMachine(R"toml([log]
-hold = "zero"
-[signals]
-u = { column = "u", unit = "1" }
-y = { column = "y", unit = "1" }
-[states]
-x = { ddt = "v", initial = "estimate" }
-v = { ddt = "w0^2*(u - x) - d*v", initial = "estimate" }
-[outputs]
-y = "x"
-[parameters]
-w0 = { start = 130, min = 30, max = 600 }
-d = { start = 20, min = 1, max = 300 }
-
-[[effect]]
-id = "drag"
-adds = { v = "-q*v*abs(v)" }
-parameters = { q = { start = 0.1, min = 0, max = 100 } }
-)toml",
-                                    "load");
-  EXPECT_TRUE(machine) << machine.error().text;
-  return *machine;
-}
 
 /// A load under random steps, with a second one on a spring (`coupling`), noise that an autoregression colours, noise on the
 /// process, and a controller that takes a share of what is measured back.
@@ -75,7 +50,7 @@ Episode Moved(const LoadTruth& truth, unsigned seed) {
 
 std::optional<double> Found(const LoadTruth& truth, unsigned seed) {
   const Episode episode = Moved(truth, seed);
-  const StateFit fit = FitStates(BuildStateModel(OneLoad(), {}).value(), std::span(&episode, 1));
+  const StateFit fit = FitStates(BuildStateModel(MassOnASpring(), {}).value(), std::span(&episode, 1));
   EXPECT_TRUE(fit.solved()) << fit.failed.english;
   return FindMissingDynamics(fit, RemainderOf(fit, std::span(&episode, 1)), std::span(&episode, 1));
 }
@@ -87,7 +62,7 @@ TEST(MissingDynamics, ASecondLoadIsToldOfAndNotNamedAsDrag) {
     EXPECT_GT(*share, 0.2) << seed;
   }
   const Episode episode = Moved({0.06}, 4);
-  const StatesExplanation x = ExplainStates(OneLoad(), std::span(&episode, 1));
+  const StatesExplanation x = ExplainStates(MassOnASpring(), std::span(&episode, 1));
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_THAT(x.warnings, testing::Contains(testing::Field(&Told::english, HasSubstr("the past of inputs"))));
 }

@@ -1,4 +1,4 @@
-#include "diagnosis/states/missing_dynamics.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,16 +61,6 @@ std::vector<std::complex<double>> Poles(int count, const MissingDynamicsOptions&
   return poles;
 }
 
-/// Energy left of a regression of the last column on the others.
-double LeftOf(const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd products = columns.transpose() * columns;
-  const Eigen::Index n = products.rows() - 1;
-  Eigen::MatrixXd own = products.topLeftCorner(n, n);
-  own.diagonal().array() += 1e-9 * std::max(own.diagonal().maxCoeff(), 1e-300);
-  const Eigen::VectorXd cross = products.col(n).head(n);
-  return products(n, n) - cross.dot(SymmetricFactor(own).Solve(cross));
-}
-
 /// Whether past errors foresee an input beyond what its own past does (Granger 1969): somebody controls by what is measured.
 bool IsFedBack(const StateFit& fit, std::span<const Episode> episodes,
                const MissingDynamicsOptions& options) {
@@ -94,8 +84,8 @@ bool IsFedBack(const StateFit& fit, std::span<const Episode> episodes,
       columns.rightCols(1) = u.tail(rows);
       Eigen::MatrixXd own(rows, lags + 1);
       own << columns.leftCols(lags), columns.rightCols(1);
-      alone += LeftOf(own);
-      with_errors += LeftOf(columns);
+      alone += EnergyLeft(own.transpose() * own);
+      with_errors += EnergyLeft(columns.transpose() * columns);
       variation += u.squaredNorm();
     }
     if (alone > 1e-6 * variation && with_errors < (1 - options.feedback) * alone) return true;
