@@ -21,10 +21,6 @@
 namespace hydroscope {
 namespace {
 
-double Sum(const std::vector<double>& energies) {
-  return std::accumulate(energies.begin(), energies.end(), 0.0);
-}
-
 class EffectSearch {
  public:
   EffectSearch(const Machine& machine, std::span<const Episode> episodes, std::size_t start_episodes,
@@ -224,7 +220,7 @@ class EffectSearch {
 
   /// Whether the best set needs no further look at the others.
   bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
-    return Better(sets) && out_.Unexplained(sets.front(), left) <= LeftShare(sets.front());
+    return Better(sets) && out_.Unexplained(sets.front(), left) <= compare_.LeftShare(sets.front());
   }
 
   /// Whether sets of which linearisation promises little are fitted too: what is left is structured, or it is no white noise and
@@ -341,13 +337,11 @@ class EffectSearch {
     const StateCandidate& without = out_.final.added.size() == 1 ? out_.base : Without(id);
     if (!without.fitted()) return {};
     const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
-    const double noise = EvidenceOf(out_.final);
-    const Specificity::Function* best = nullptr;
-    for (const Specificity::Function& function : specificity.functions())
-      if (best == nullptr || Sum(function.energies) < Sum(best->energies)) best = &function;
-    if (best == nullptr || !compare_.HardlyWorse(best->energies, specificity.with_effect(),
-                                                 without.held_out - Sum(specificity.with_effect()), noise))
-      return {};
+    const Specificity::Function* best = specificity.Best();
+    if (best == nullptr) return {};
+    const std::vector<double>& with_effect = specificity.with_effect();
+    const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
+    if (!compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final))) return {};
     return best->named;
   }
 
@@ -394,16 +388,10 @@ class EffectSearch {
     return rivals;
   }
 
-  /// What a complete explanation may leave of it.
-  double LeftShare(const StateCandidate& set) const {
-    const auto effects = static_cast<double>(set.added.size());
-    return options_.left_share / (effects * effects);
-  }
-
   /// Whether nothing that functions can predict is left, or next to nothing of what they could before. `unexplained` is told.
   bool Complete() {
     out_.unexplained = out_.Unexplained(out_.final, out_.final_left);
-    return out_.unexplained <= LeftShare(out_.final);
+    return out_.unexplained <= compare_.LeftShare(out_.final);
   }
 
   /// A law that the log shows too seldom may be in what the final set leaves.

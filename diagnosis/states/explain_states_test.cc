@@ -172,5 +172,31 @@ TEST(ExplainStates, AFreeRunUnderMuchWhiteNoiseFollowsNonetheless) {
   EXPECT_FALSE(x.astray);
 }
 
+/// What is left of the sizes given: noise that an autoregression colours (0: white).
+StatesExplanation Leaving(double colour, double before, double after) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  StatesExplanation x;
+  RowMatrix residual(3000, 1);
+  double noise = 0;
+  for (Eigen::Index row = 0; row < residual.rows(); ++row)
+    residual(row, 0) = noise = colour * noise + std::sqrt(1 - colour * colour) * normal(random);
+  x.final.fit.residuals = {residual};
+  x.final.fit.noise = Eigen::VectorXd::Constant(1, residual.norm() / std::sqrt(3000.0));
+  x.base.held_out = before;
+  x.final.held_out = after;
+  return x;
+}
+
+TEST(ExplainStates, WhatIsLeftThatLastsIsHeldAgainstWhatIsExplained) {
+  EXPECT_EQ(Leaving(0, 5000, 3000).SlowShare(), 0);
+  EXPECT_EQ(Leaving(0.6, 5000, 3000).SlowShare(), 0);  // a filter of a converter
+  StatesExplanation x = Leaving(0.98, 5000, 3000);
+  EXPECT_NEAR(x.SlowShare(), 0.96 * 3000 / 2000, 0.03);
+  EXPECT_LT(Leaving(0.98, 9000, 3000).SlowShare(), 1);
+  x.final_left.structured = true;
+  EXPECT_EQ(x.SlowShare(), 0);
+}
+
 }  // namespace
 }  // namespace hydroscope

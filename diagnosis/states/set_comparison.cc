@@ -29,4 +29,9 @@ bool SetComparison::NearlyAsGood(const StateCandidate& other, const StateCandida
   return HardlyWorse(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies(), removed, EvidenceOf(best));
 }
 
+double SetComparison::LeftShare(const StateCandidate& set) const {
+  const auto effects = static_cast<double>(set.added.size());
+  return options_.left_share / (effects * effects);
+}
+
 }  // namespace hydroscope

@@ -18,6 +18,8 @@ class SetComparison {
                    double noise) const;
   /// The same of sets.
   bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best, double removed) const;
+  /// What of the predictable energy a set may leave and be complete.
+  double LeftShare(const StateCandidate& set) const;
   /// Whether what a set leaves is no white noise.
   bool Coloured(const StateCandidate& set) const { return LeavesColoured(set, options_.white_readings); }
 

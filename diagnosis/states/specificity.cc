@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "diagnosis/states/function_bank.h"
 #include "diagnosis/states/tangent.h"
@@ -112,6 +113,15 @@ Specificity::Specificity(const StateFit& rest, const StateFit& with, std::span<c
         {{EquationName(*rest.model, equation[at]), bank.About(static_cast<int>(k) % bank.count())},
          EnergiesWith(products, column)});
   }
+}
+
+const Specificity::Function* Specificity::Best() const {
+  const auto energy = [](const Function& function) {
+    return std::accumulate(function.energies.begin(), function.energies.end(), 0.0);
+  };
+  const auto best = std::min_element(functions_.begin(), functions_.end(),
+                                     [&](const auto& a, const auto& b) { return energy(a) < energy(b); });
+  return best == functions_.end() ? nullptr : &*best;
 }
 
 }  // namespace hydroscope

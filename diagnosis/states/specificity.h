@@ -39,8 +39,8 @@ class Specificity {
     LikeFunction named;
     std::vector<double> energies;  ///< per piece
   };
-  /// All that are not the same law as the effect.
-  const std::vector<Function>& functions() const { return functions_; }
+  /// The one that leaves least of those that are not the same law as the effect; nullptr: there is none.
+  const Function* Best() const;
 
  private:
   bool weak_ = false;

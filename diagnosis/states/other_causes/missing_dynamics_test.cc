@@ -18,9 +18,9 @@ constexpr int kLoadRows = 2500, kLoadSubsteps = 200;
 constexpr double kLoadPeriod = 1e-3, kLoadRate = 150, kLoadDamping = 30;  // s, rad/s, 1/s
 
 /// A load under random steps, with a second one on a spring (`coupling`), noise that an autoregression colours, noise on the
-/// process, and a controller that takes a share of what is measured back.
+/// process, and a controller that takes a share of what is measured back; `wish`: size of the steps.
 struct LoadTruth {
-  double coupling = 0, colour = 0, process = 0, feedback = 0;
+  double coupling = 0, colour = 0, process = 0, feedback = 0, wish = 1;
 };
 Episode Moved(const LoadTruth& truth, unsigned seed) {
   std::mt19937 random(seed);
@@ -29,7 +29,7 @@ Episode Moved(const LoadTruth& truth, unsigned seed) {
   episode.signal.resize(kLoadRows, 2);
   double x = 0, v = 0, far = 0, far_v = 0, wish = 0, noise = 0, disturbed = 0;
   for (int row = 0; row < kLoadRows; ++row) {
-    if (row % 20 == 0) wish = normal(random);
+    if (row % 20 == 0) wish = truth.wish * normal(random);
     noise = truth.colour * noise + std::sqrt(1 - truth.colour * truth.colour) * normal(random);
     disturbed = 0.98 * disturbed + truth.process * normal(random);
     const double y = x + 0.004 * noise, u = wish - truth.feedback * y;
@@ -74,6 +74,7 @@ TEST(MissingDynamics, NoiseOfAnyKindIsNone) {
     EXPECT_FALSE(Found({.process = 0.01}, seed)) << seed;
     EXPECT_FALSE(Found({.process = 0.01, .feedback = 0.5}, seed)) << seed;
     EXPECT_FALSE(Found({.colour = 0.9, .feedback = 0.5}, seed)) << seed;
+    EXPECT_FALSE(Found({.process = 0.05, .feedback = 0.5, .wish = 0.2}, seed)) << seed;
   }
 }
 
