@@ -46,6 +46,22 @@ double Doubts::LeastShare(const Explanation& found) const {
   return least;
 }
 
+/// A delay so small that a signal may only seem late: between two rows it is taken to move evenly, and it need not. "" if there is none.
+Told Doubts::MayMoveBetweenRows(const Explanation& found) const {
+  for (std::size_t k = static_cast<std::size_t>(found.started); k < found.final.effects.size(); ++k) {
+    const EffectEstimate& late = found.final.effects[k];
+    const Effect& effect = *strokes_.model().effects[late.choice.effect];
+    if (late.size > effect.unseen_rows * strokes_.period()) continue;
+    return Tell(
+        "rows are {:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command held so "
+        "long, looks {:.2g} ms late as well",
+        "die Zeilen liegen {:.3g} ms auseinander, und ein Signal, das sich zwischen zwei Zeilen früh bewegt, wie eines, das einem so "
+        "lange gehaltenen Befehl folgt, sieht ebenfalls {:.2g} ms verspätet aus",
+        1e3 * strokes_.period(), 1e3 * late.size);
+  }
+  return {};
+}
+
 /// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
 Told Doubts::ValueAtItsLimit(const Explanation& found) const {
   for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
@@ -102,6 +118,9 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
         "without it the error is no larger than noise, and of so many effects one may stand out by chance",
         "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
         "zufällig hervortreten");
+  }
+  if (Told unseen = MayMoveBetweenRows(found); !unseen.empty()) {
+    return unseen;
   }
   if (Told limit = ValueAtItsLimit(found); !limit.empty()) {
     return limit;

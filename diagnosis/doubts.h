@@ -24,6 +24,7 @@ class Doubts {
  private:
   std::string MeasuredAndLeftOut(const ExtendedFit& fit) const;
   bool MayBeChance(const Explanation& found) const;
+  Told MayMoveBetweenRows(const Explanation& found) const;
   Told ValueAtItsLimit(const Explanation& found) const;
   std::optional<std::pair<std::string, std::string>> Relatives(
       const std::vector<std::vector<std::string>>& groups) const;

@@ -95,6 +95,7 @@ class StrokeSet {
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }
+  double period() const { return window_.period; }  ///< s between rows
   double Equations(std::size_t stroke) const { return static_cast<double>(blocks_[stroke] - spans_[stroke]); }
   /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;

@@ -68,6 +68,8 @@ struct Effect {
     double share = 0.9;  ///< stays beside the better one while it gains this share of what that does
   };
   std::vector<Twin> twins;  ///< told by one of the two
+  /// Of a signal that is late: up to so many rows it may be how the signal moves between two rows, unseen.
+  double unseen_rows = 0;
   std::string hidden_in;    ///< base parameters that swallow it when it is not modelled
   std::string plain;        ///< one sentence for the maintenance engineer: what it is, what to look for
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes

@@ -266,6 +266,17 @@ TEST(NothingFalse, AChokedReturnLineThatNoEdgeLooksLikeIsNamed) {
   EXPECT_FALSE(x.partial) << x.doubt.english;
 }
 
+/// A controller as slow as the logger holds its command for a row, and the spool gets there early in it: the line between two
+/// readings is late, and the spool seems to be.
+TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
+  PressOptions options = RandomMachine(13);
+  options.sample_period = options.control_period = 0.004;
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  ASSERT_THAT(x.set, Contains(HasSubstr("spool_signal_")));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
+}
+
 /// The error of an oil column in the line, which the library is to know nothing of: a tenth of the noise energy, and no effect gains
 /// enough of it for a name.
 TEST(NothingFalse, AnErrorNearTheFloorThatIsNoChanceIsNoAllClear) {

@@ -15,6 +15,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.source = "eq. 2 of the press paper with the signal shifted";
   e.family = {"the spool position is recorded late", "die Schieberstellung wird verspätet aufgezeichnet"};
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
+  e.unseen_rows = 0.5;  // where its command is held from row to row
   e.hidden_in = "V0, K";
   e.plain =
       "The spool position is recorded later than the other signals; look for: a "

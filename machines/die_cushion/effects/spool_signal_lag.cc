@@ -17,6 +17,7 @@ Effect SpoolSignalLag(const CushionGeometry&) {
   e.family = {"the spool position is recorded late", "die Schieberstellung wird verspätet aufgezeichnet"};
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
   e.twins = {{"spool_signal_delay"}};
+  e.unseen_rows = 0.5;  // where its command is held from row to row
   e.hidden_in = "V0, K";
   e.plain =
       "The spool position is smoothed before it is recorded; look for: a filter in the transducer, in the "
