@@ -212,7 +212,15 @@ double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> colu
   return sum.Rms();
 }
 
-Told NotExcited(const ModelStructure& model) {
+Told NotExcited(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                const WindowSamples& window) {
+  if (std::all_of(strokes.begin(), strokes.end(), [](const StrokeGram& gram) { return gram.blocks == 0; }))
+    return Tell(
+        "gaps, repeated rows and bad values cut the log into pieces shorter than the {:.3g} s that an equation needs: see "
+        "'hydroscope check', and record without them",
+        "Lücken, wiederholte Zeilen und schlechte Werte zerschneiden das Log in Stücke, die kürzer sind als die {:.3g} s, die eine "
+        "Gleichung braucht: 'hydroscope check' zeigt sie; ohne sie aufzeichnen",
+        window.min_span * window.block * window.period);
   return Tell(
       "the strokes do not excite all parameters of the model: vary {}, or record longer",
       "die Hübe regen nicht alle Parameter des Modells an: verändern, was hier steht, oder länger aufzeichnen: {}",
@@ -238,7 +246,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
              "nicht gefunden: {}; [gate] der Maschinendatei am Log prüfen ('hydroscope check')",
              model.words.stroke));
   fit.theta = SolveNormalEquations(total);
-  if (fit.theta.size() == 0) return BadInput(NotExcited(model));
+  if (fit.theta.size() == 0) return BadInput(NotExcited(model, strokes, window));
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);

@@ -24,8 +24,9 @@ NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> c
 /// Flow form, for errors in output units.
 NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output);
 
-/// What is said where strokes do not tell all parameters of the model apart.
-Told NotExcited(const ModelStructure& model);
+/// What is said where strokes do not tell all parameters of the model apart, or are cut into pieces too short for any equation.
+Told NotExcited(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                const WindowSamples& window);
 
 /// Result of a batch fit of the base model over strokes.
 struct GramFit {

@@ -193,6 +193,10 @@ TEST(GramFit, StrokesThatExciteTooLittleAreAnErrorThatSaysWhatToVary) {
   const auto fit = FitBaseModel(*model, {&empty, 1}, WindowSamples{});
   ASSERT_FALSE(fit);
   EXPECT_THAT(fit.error().text, testing::HasSubstr("vary ram speed and pressure"));
+  StrokeGram in_pieces = empty;
+  in_pieces.blocks = in_pieces.spans = 0;
+  EXPECT_THAT(FitBaseModel(*model, {&in_pieces, 1}, WindowSamples{}).error().text,
+              testing::HasSubstr("shorter than the 0.1 s that an equation needs"));
 }
 
 }  // namespace

@@ -70,8 +70,8 @@ struct Effect {
   std::vector<Twin> twins;  ///< told by one of the two
   /// Of a signal that is late: up to so many rows it may be how the signal moves between two rows, unseen.
   double unseen_rows = 0;
-  std::string hidden_in;    ///< base parameters that swallow it when it is not modelled
-  std::string plain;        ///< one sentence for the maintenance engineer: what it is, what to look for
+  std::string hidden_in;  ///< base parameters that swallow it when it is not modelled
+  std::string plain;      ///< one sentence for the maintenance engineer: what it is, what to look for
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;

@@ -49,10 +49,7 @@ class NewRowsReader : public RetimedReader {
 
  private:
   void Retime(SampleBlock& block) override {
-    std::size_t kept = 0;
-    for (std::size_t row = 0; row < block.rows(); ++row)
-      if (IsNew(block, row)) Move(row, kept++, block);
-    block.Resize(block.signal.size(), kept);
+    KeepRows(block, [&](std::size_t row) { return IsNew(block, row); });
   }
   bool IsNew(const SampleBlock& block, std::size_t row) {
     bool is_new = last_.empty();
@@ -63,11 +60,6 @@ class NewRowsReader : public RetimedReader {
       last_[k] = value;
     }
     return is_new;
-  }
-  static void Move(std::size_t from, std::size_t to, SampleBlock& block) {
-    block.time[to] = block.time[from];
-    for (auto& column : block.signal) column[to] = column[from];
-    for (auto& column : block.quality) column[to] = column[from];
   }
 
   std::vector<std::size_t> signals_;

@@ -4,6 +4,7 @@
 
 #include "core/told_error.h"
 #include "replay/byte_source.h"
+#include "replay/copied_rows.h"
 #include "replay/csv_reader.h"
 #include "replay/even_rows.h"
 #include "replay/held_rows.h"
@@ -56,13 +57,15 @@ Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machin
   SampleBlock head;
   if (const auto rows = (*log)->Read(head, kRowsOfHead); !rows) return OpenStamped(path, machine);
   const auto held = FindHeldRows(head, machine);
+  const auto copied = held ? std::nullopt : FindCopiedRows(head);
   const auto open = [&] {
     auto again = OpenStamped(path, machine);
     if (again && held) again = WithoutHeldRows(std::move(*again), *held);
+    if (again && copied) again = WithoutCopiedRows(std::move(*again), *copied);
     return again;
   };
   std::optional<EvenRows> even;
-  if (held || MayBeEvenRows(head))
+  if (held || copied || MayBeEvenRows(head))
     if (auto whole = open())
       if (auto found = FindEvenRows(**whole)) even = std::move(*found);
   log = open();

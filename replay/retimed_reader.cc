@@ -25,6 +25,12 @@ Result<std::size_t> RetimedReader::Read(SampleBlock& block, std::size_t max_rows
   return block.rows();
 }
 
+void RetimedReader::Move(std::size_t from, std::size_t to, SampleBlock& block) {
+  block.time[to] = block.time[from];
+  for (auto& column : block.signal) column[to] = column[from];
+  for (auto& column : block.quality) column[to] = column[from];
+}
+
 void RetimedReader::Count() {
   Told why = std::move(counters_.time_base);
   counters_ = inner_->counters();

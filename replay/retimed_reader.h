@@ -21,7 +21,18 @@ class RetimedReader : public LogReader {
   /// `why` becomes LogCounters::time_base, behind that of `inner`.
   RetimedReader(std::unique_ptr<LogReader> inner, double period, const Told& why);
 
+  /// Leaves those rows in `block` for which `keep(row)` holds; asked of each in turn.
+  template <typename Keep>
+  static void KeepRows(SampleBlock& block, Keep keep) {
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < block.rows(); ++row)
+      if (keep(row)) Move(row, kept++, block);
+    block.Resize(block.signal.size(), kept);
+  }
+
  private:
+  static void Move(std::size_t from, std::size_t to, SampleBlock& block);
+
   /// Changes the times of `block`, as it was read but for its flags of time, or takes rows out of it.
   virtual void Retime(SampleBlock& block) = 0;
   void Count();

@@ -95,6 +95,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"time_jitter", kNoise, {}},
       {"dropped_rows", kNoise, {}},
       {"slow_sampling", kNoise, {}},
+      {"slow_control", kNoise, {}},
       {"wrong_area", kNoise, {}},
       {"return_line_resistance", kLibrary, {"return_line_resistance"}},
       {"tank_pressure", kLibrary, {"tank_pressure"}},

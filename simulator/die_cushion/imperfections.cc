@@ -362,6 +362,15 @@ std::vector<ImperfectionInfo> SignalKinds() {
        "rows every size, whatever the sample period",
        {},
        ""},
+      {kSlowControl,
+       "slow_control",
+       "s",
+       0.003,
+       1e-4,
+       0.01,
+       "the controller's cycle takes size, in which its command stands still, and each of its cycles is a row",
+       {},
+       ""},
   };
 }
 

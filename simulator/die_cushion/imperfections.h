@@ -61,6 +61,7 @@ enum class ImperfectionKind {
   kTimeJitter,
   kDroppedRows,
   kSlowSampling,
+  kSlowControl,
 };
 
 /// One kind: how it is called, what its size means, and its further numbers.

@@ -400,6 +400,9 @@ TEST(Imperfections, RowsAreLateLostAndFew) {
   const SimulatedLog slow = SimulatePress(Imperfect({"slow_sampling", 0.02, {}, ""}));
   EXPECT_EQ(slow.rows(), 600u);
   EXPECT_DOUBLE_EQ(slow.truth.options.sample_period, 0.02);
+  const SimulatedLog held = SimulatePress(Imperfect({"slow_control", 0.005, {}, ""}));
+  EXPECT_EQ(held.rows(), 2400u);
+  EXPECT_DOUBLE_EQ(held.truth.options.control_period, 0.005);
 }
 
 TEST(Imperfections, AnotherReadingOfTheSameRunHasThem) {

@@ -15,13 +15,15 @@
 namespace hydroscope {
 namespace {
 
-/// Options with the seeds drawn and the sample period that counts.
+/// Options with the seeds drawn and the periods that count.
 PressOptions Settled(PressOptions options) {
   if (options.control_seed == 0) options.control_seed = StreamSeed(options.seed, "control seed");
   if (options.noise_seed == 0) options.noise_seed = StreamSeed(options.seed, "noise seed");
   const auto list = ResolveImperfections(options.imperfections).value();
   if (const auto* slow = FindImperfection(list, ImperfectionKind::kSlowSampling))
     options.sample_period = slow->size;
+  if (const auto* slow = FindImperfection(list, ImperfectionKind::kSlowControl))
+    options.sample_period = options.control_period = slow->size;
   return options;
 }
 
