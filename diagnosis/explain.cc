@@ -353,17 +353,32 @@ bool SameEffects(const std::vector<EffectChoice>& a, const std::vector<EffectCho
                     [](const EffectChoice& x, const EffectChoice& y) { return x.effect == y.effect; });
 }
 
+double TrifleOf(const StrokeSet& strokes, const ExplainOptions& options) {
+  return options.trifle * options.trifle * strokes.OutputEnergy() / strokes.equations();
+}
+
+/// `options` with thresholds that a trifle does not pass.
+ExplainOptions WithoutTrifles(const StrokeSet& strokes, ExplainOptions options, double noise_variance) {
+  const double ratio = TrifleOf(strokes, options) / noise_variance;
+  options.floor_excess += ratio;
+  for (double* least : {&options.min_gain, &options.max_remainder, &options.doubt_remainder})
+    *least = std::max(*least, ratio * strokes.equations() / options.evidence_scale);
+  return options;
+}
+
 /// The chain with its evidence counted in what a law gains by chance: as many noise variances as sizes of laws scatter more
 /// between strokes, on what the model found leaves, than in the logs that the thresholds were set on. Effects that stand so as
 /// well keep their rivals: sizes also scatter because a leak grows, which does not make it another law.
-Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& options,
+Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& asked,
                              const CandidateModel& start) {
+  const ExplainOptions options = WithoutTrifles(strokes, asked, start.fit.noise_variance);
   Explanation out = Explainer(strokes, options, start).Run();
   if (!out.final.solved || out.chosen.size() == start.choices.size()) return out;
   const EffectRanking ranking(strokes, options, start.fit.noise_variance);
-  ExplainOptions counted = options;
+  ExplainOptions counted = asked;
   counted.evidence_scale = ranking.DesignEffect({out.chosen, out.final}) / options.white_correlation;
   if (counted.evidence_scale < (1 + options.evidence_growth) * options.evidence_scale) return out;
+  counted = WithoutTrifles(strokes, counted, start.fit.noise_variance);
   Explanation recounted = Explainer(strokes, counted, start).Run();
   if (recounted.partial || !SameEffects(recounted.chosen, out.chosen)) return recounted;
   out.evidence_scale = counted.evidence_scale;
@@ -417,6 +432,7 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   const CandidateModel start = StartModel(used, options.start);
   Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
                                                : ExplainByStrokes(used, options, start);
+  if (!IsOwnMachine(used.model())) out.trifle = TrifleOf(used, options);
   RefuseWhatDoesNotLowerTheError(out);
   WidenShown(used, out);
   return out;

@@ -157,7 +157,9 @@ void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
   limits.of_base = std::max(limits.of_base, options.left_share);
   if (options.floor_believable) limits.min_share = std::max(limits.min_share, limits.min_share_at_floor);
   const double before = out.set.empty() ? 0.0 : out.base_left.predictable();
-  if (out.verdict == Verdict::kUnknown || !out.final_left.IsStructured(limits, before)) return;
+  if (out.verdict == Verdict::kUnknown || !out.final_left.IsStructured(limits, before) ||
+      out.final_left.predictable() <= out.trifle)
+    return;
   out.doubt =
       Tell("{:.0f} % of the energy of what it leaves goes with {}",
            "{:.0f} % der Energie des Rests gehen mit {}", 100 * out.final_left.share, out.final_left.about);
@@ -174,7 +176,8 @@ void ObjectIfItGoesOn(std::span<const StrokeStretches> strokes, const WindowSamp
   if (out.verdict == Verdict::kUnknown || out.partial) return;
   const Whiteness left =
       WhitenessOf(ResidualsOf(out.model, strokes, window, ColumnWeights(*out.model, out.final)));
-  if (!left.IsStructured()) return;
+  if (!left.IsStructured() || left.share * left.variance_ratio * out.final.noise_variance <= out.trifle)
+    return;
   out.doubt =
       Tell("{:.0f} % of what it leaves goes on from block to block, as white sensor noise does not",
            "{:.0f} % des Rests setzen sich von Block zu Block fort, was weißes Sensorrauschen nicht tut",

@@ -155,6 +155,13 @@ Eigen::MatrixXd StrokeSet::Total() const {
   return total;
 }
 
+double StrokeSet::OutputEnergy() const {
+  const int output = model_->output_column();
+  double energy = 0;
+  for (const Eigen::MatrixXd& gram : clean_) energy += gram(output, output);
+  return energy;
+}
+
 Eigen::MatrixXd StrokeSet::TotalFlow() const {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
   for (const Eigen::MatrixXd& gram : flow_) total += gram;

@@ -93,6 +93,8 @@ class StrokeSet {
   Eigen::MatrixXd TotalFlow() const;
   /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters, size).
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
+  /// The output's energy of all strokes in the integral form, noise taken out.
+  double OutputEnergy() const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }
   double period() const { return window_.period; }  ///< s between rows

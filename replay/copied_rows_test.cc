@@ -23,7 +23,8 @@ std::string LogWithCopies(double clock) {
   std::mt19937 random(3);
   for (int k = 0; k < kRows; ++k) {
     const double t = std::floor(0.002 * k / clock + 1e-9) * clock;
-    const std::string row = std::to_string(t) + "," + std::to_string(random() % 100000) + "," + std::to_string(random() % 100000);
+    const std::string row =
+        std::to_string(t) + "," + std::to_string(random() % 100000) + "," + std::to_string(random() % 100000);
     log << row << "\n";
     if (k % 37 == 5) log << row << "\n";
   }

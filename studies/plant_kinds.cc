@@ -96,6 +96,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"dropped_rows", kNoise, {}},
       {"slow_sampling", kNoise, {}},
       {"slow_control", kNoise, {}},
+      {"calm_pressure", kNoise, {}},
       {"wrong_area", kNoise, {}},
       {"return_line_resistance", kLibrary, {"return_line_resistance"}},
       {"tank_pressure", kLibrary, {"tank_pressure"}},

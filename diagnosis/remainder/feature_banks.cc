@@ -153,20 +153,30 @@ void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
 /// Block means of features: `advance(k, level)` takes the features from sample k to sample k + 1 (in the
 /// level form it sets them at sample k).
 template <typename Advance>
-void FeatureBanks::SumBlocks(int features, int blocks, Eigen::MatrixXd& rows, Advance advance) const {
-  rows.setZero(blocks, features);
-  std::vector<double> level(features, 0.0), sum(features, 0.0);
+void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Advance advance) const {
+  rows.means.setZero(blocks, features);
+  rows.noise.setZero(blocks, features);
+  const int paired = window_.block / 4 * 4;
+  std::vector<double> level(features, 0.0), sum(features, 0.0), signs(features, 0.0);
   for (int k = 0; !model_.level_form && k < lead_; ++k) advance(k, level.data());
   for (int b = 0; b < blocks; ++b) {
     std::fill(sum.begin(), sum.end(), 0.0);
-    for (int k = lead_ + b * window_.block; k < lead_ + (b + 1) * window_.block; ++k) {
+    std::fill(signs.begin(), signs.end(), 0.0);
+    for (int row = 0; row < window_.block; ++row) {
+      const int k = lead_ + b * window_.block + row;
+      const double sign = row >= paired ? 0.0 : (row & 3) == 0 || (row & 3) == 3 ? 1.0 : -1.0;
       if (model_.level_form) advance(k, level.data());
       for (int f = 0; f < features; ++f) sum[f] += level[f];
+      for (int f = 0; f < features; ++f) signs[f] += sign * level[f];
       if (!model_.level_form) advance(k, level.data());
     }
-    for (int f = 0; f < features; ++f) rows(b, f) = sum[f] / window_.block;
+    for (int f = 0; f < features; ++f) rows.means(b, f) = sum[f] / window_.block;
+    for (int f = 0; f < features; ++f)
+      rows.noise(b, f) = signs[f] / std::sqrt(static_cast<double>(window_.block) * paired);
   }
-  if (!model_.level_form) rows.rowwise() -= rows.colwise().mean().eval();
+  if (model_.level_form) return;
+  rows.means.rowwise() -= rows.means.colwise().mean().eval();
+  rows.noise *= std::sqrt(std::max(0.0, blocks - 1.0) / std::max(1, blocks));
 }
 
 void FeatureBanks::FillModel(int blocks) {
@@ -177,7 +187,7 @@ void FeatureBanks::FillModel(int blocks) {
   });
 }
 
-void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const {
+void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
   const int knots = bank.count / static_cast<int>(bank.columns.size());
   const std::vector<double>& place = place_[bank.axes[0]];
   const bool values = model_.level_form;
@@ -195,18 +205,21 @@ void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, Eigen::Mat
 }
 
 /// Within a span the time is as good as constant: the terms' own rows times its powers.
-void FeatureBanks::FillTrend(const FeatureBank& bank, double time, Eigen::MatrixXd& rows) const {
-  rows.resize(out_.model.rows(), bank.count);
+void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const {
+  rows.means.resize(out_.model.means.rows(), bank.count);
+  rows.noise.resizeLike(rows.means);
   double power = 1;
   for (int p = 0; p < kTrendPowers; ++p) {
     power *= time;
-    for (std::size_t i = 0; i < bank.columns.size(); ++i)
-      rows.col(p * static_cast<int>(bank.columns.size()) + static_cast<int>(i)) =
-          power * out_.model.col(bank.columns[i]);
+    for (std::size_t i = 0; i < bank.columns.size(); ++i) {
+      const int f = p * static_cast<int>(bank.columns.size()) + static_cast<int>(i);
+      rows.means.col(f) = power * out_.model.means.col(bank.columns[i]);
+      rows.noise.col(f) = power * out_.model.noise.col(bank.columns[i]);
+    }
   }
 }
 
-void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const {
+void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
   const bool values = model_.level_form, pair = bank.axes.size() == 2;
   const double period = values ? 1.0 : window_.period;
   const std::vector<double>& first = place_[bank.axes[0]];

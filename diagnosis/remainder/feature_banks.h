@@ -18,11 +18,18 @@ struct FeatureBank {
   int count = 0;             ///< features
 };
 
-/// Rows of one stretch in the form of the balance's own equations: block means of the running integral about
-/// their mean over the span (in the level form block means as they are), one row per block.
+/// Columns of one stretch in the form of the balance's own equations: block means of the running integral about their mean over
+/// the span (in the level form block means as they are), one row per block.
+struct BlockColumns {
+  Eigen::MatrixXd means;  ///< blocks x columns
+  /// The same shape, of rows with alternating signs (SpanEquations::noise): white sensor noise makes products of these what it
+  /// makes products of `means`, and motion leaves nothing in them.
+  Eigen::MatrixXd noise;
+};
+
 struct FeatureRows {
-  Eigen::MatrixXd model;               ///< blocks x model columns
-  std::vector<Eigen::MatrixXd> banks;  ///< per bank, blocks x features
+  BlockColumns model;               ///< all columns of the model
+  std::vector<BlockColumns> banks;  ///< features, per bank
 };
 
 /// Banks of features in which any law that depends on the signals as they are can be written nearly: every
@@ -53,11 +60,11 @@ class FeatureBanks {
   void FillIncrements(const Stretch& stretch);
   void FillPlaces(const Stretch& stretch, std::size_t stroke);
   void FillModel(int blocks);
-  void FillModulated(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const;
-  void FillTrend(const FeatureBank& bank, double time, Eigen::MatrixXd& rows) const;
-  void FillRates(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const;
+  void FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
+  void FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const;
+  void FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
   template <typename Advance>
-  void SumBlocks(int features, int blocks, Eigen::MatrixXd& rows, Advance advance) const;
+  void SumBlocks(int features, int blocks, BlockColumns& rows, Advance advance) const;
 
   const ModelStructure& model_;
   std::span<const StrokeStretches> strokes_;

@@ -18,7 +18,8 @@ constexpr std::uint64_t kFlipSeed = 20250101;
 constexpr std::size_t kLeastGroups = 5;  ///< 2^5 signs and fewer have no p-value of use
 constexpr double kLeastEnergy = 1e-12;   ///< of a feature over the largest of its bank: less is rounding
 
-/// Sums of products of one group: features, regressors of the model, residual.
+/// Sums of products of one group: features, regressors of the model, residual (last column of z; its products with the others are
+/// without noise).
 struct GroupGram {
   Eigen::MatrixXd ff, fz, zz;
   double rows = 0;  ///< equations
@@ -81,17 +82,22 @@ class Grouping {
 /// Per fit and bank, the Grams of all groups.
 using BankGrams = std::vector<GroupGram>;
 
-/// `lost`: rows that centring takes.
-void AddRows(const Eigen::MatrixXd& features, const Eigen::MatrixXd& z, double lost, GroupGram& sum) {
+/// `lost`: rows that centring takes. White sensor noise that features and regressors share with the residual is no law: it is
+/// taken out of their products with it, the last column of `z`.
+void AddRows(const BlockColumns& features, const BlockColumns& z, double lost, GroupGram& sum) {
+  const auto residual = z.means.cols() - 1;
   if (sum.zz.size() == 0) {
-    sum.ff.setZero(features.cols(), features.cols());
-    sum.fz.setZero(features.cols(), z.cols());
-    sum.zz.setZero(z.cols(), z.cols());
+    sum.ff.setZero(features.means.cols(), features.means.cols());
+    sum.fz.setZero(features.means.cols(), z.means.cols());
+    sum.zz.setZero(z.means.cols(), z.means.cols());
   }
-  sum.ff.noalias() += features.transpose() * features;
-  sum.fz.noalias() += features.transpose() * z;
-  sum.zz.noalias() += z.transpose() * z;
-  sum.rows += static_cast<double>(features.rows()) - lost;
+  sum.ff.noalias() += features.means.transpose() * features.means;
+  sum.fz.noalias() += features.means.transpose() * z.means;
+  sum.fz.col(residual).noalias() -= features.noise.transpose() * z.noise.col(residual);
+  sum.zz.noalias() += z.means.transpose() * z.means;
+  sum.zz.col(residual).head(residual).noalias() -=
+      z.noise.leftCols(residual).transpose() * z.noise.col(residual);
+  sum.rows += static_cast<double>(features.means.rows()) - lost;
 }
 
 /// Quadratic form in the signs of the groups: error energy on groups left out.
@@ -259,10 +265,10 @@ std::vector<Predictability> PredictabilityOf(const ModelStructure& model,
       const std::size_t group = grouping.Of(s, part, strokes[s].size());
       for (std::size_t f = 0; f < fits.size(); ++f) {
         if (used.regressors[f].size() == 0) continue;
-        const Eigen::MatrixXd z = rows.model * used.regressors[f];
-        if (!z.allFinite()) continue;
+        const BlockColumns z{rows.model.means * used.regressors[f], rows.model.noise * used.regressors[f]};
+        if (!z.means.allFinite()) continue;
         for (std::size_t b = 0; b < rows.banks.size(); ++b)
-          if (rows.banks[b].allFinite())
+          if (rows.banks[b].means.allFinite())
             AddRows(rows.banks[b], z, window.level_form ? 0.0 : 1.0, grams[f][b][group]);
       }
     }

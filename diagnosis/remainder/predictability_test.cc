@@ -39,6 +39,21 @@ TEST(Predictability, FindsNothingInNoiseOfAnyColour) {
     }
 }
 
+/// Where the pressure stands still, a softer oil column takes the sensor's noise out of the balance, and features that are of no use
+/// elsewhere let it be soft there.
+TEST(Predictability, FindsNothingInNoiseThatFeaturesShareWithTheBalance) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    PressOptions options = Press(seed);
+    options.noise.p_A = 2.5e5;
+    options.noise.z = 2e-5;
+    options.motion.speed_max = 0.04;
+    options.imperfections = {{"calm_pressure", 5, {}, ""}};
+    const Predictability left = OfBase(StrokesOfPress(options));
+    ASSERT_TRUE(left.tested);
+    EXPECT_FALSE(left.IsStructured({})) << seed << ": " << left.about << " " << left.share;
+  }
+}
+
 TEST(Predictability, FindsWhatAMissingLawLeavesAndWhatItGoesWith) {
   PressOptions options = Press(5);
   options.effects = {{"relief_valve", 2e-11, {{"crack", 150e5}}}};

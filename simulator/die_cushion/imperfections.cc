@@ -371,6 +371,15 @@ std::vector<ImperfectionInfo> SignalKinds() {
        "the controller's cycle takes size, in which its command stands still, and each of its cycles is a row",
        {},
        ""},
+      {kCalmPressure,
+       "calm_pressure",
+       "s",
+       1,
+       0.3,
+       100,
+       "the set point steps every size and stands still between, and no dither moves the spool",
+       {},
+       ""},
   };
 }
 

@@ -62,6 +62,7 @@ enum class ImperfectionKind {
   kDroppedRows,
   kSlowSampling,
   kSlowControl,
+  kCalmPressure,
 };
 
 /// One kind: how it is called, what its size means, and its further numbers.

@@ -403,6 +403,7 @@ TEST(Imperfections, RowsAreLateLostAndFew) {
   const SimulatedLog held = SimulatePress(Imperfect({"slow_control", 0.005, {}, ""}));
   EXPECT_EQ(held.rows(), 2400u);
   EXPECT_DOUBLE_EQ(held.truth.options.control_period, 0.005);
+  EXPECT_EQ(SimulatePress(Imperfect({"calm_pressure", 3, {}, ""})).truth.options.motion.dither, 0);
 }
 
 TEST(Imperfections, AnotherReadingOfTheSameRunHasThem) {

@@ -15,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-/// Options with the seeds drawn and the periods that count.
+/// Options with the seeds drawn, and the periods and the motion that count.
 PressOptions Settled(PressOptions options) {
   if (options.control_seed == 0) options.control_seed = StreamSeed(options.seed, "control seed");
   if (options.noise_seed == 0) options.noise_seed = StreamSeed(options.seed, "noise seed");
@@ -24,6 +24,10 @@ PressOptions Settled(PressOptions options) {
     options.sample_period = slow->size;
   if (const auto* slow = FindImperfection(list, ImperfectionKind::kSlowControl))
     options.sample_period = options.control_period = slow->size;
+  if (const auto* calm = FindImperfection(list, ImperfectionKind::kCalmPressure)) {
+    options.motion.step_time_min = options.motion.step_time_max = calm->size;
+    options.motion.wander = options.motion.dither = 0;
+  }
   return options;
 }
 

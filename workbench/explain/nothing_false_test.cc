@@ -153,6 +153,7 @@ ExplainOptions Eager(double min_t) {
   ExplainOptions eager;
   eager.min_gain = 4;
   eager.min_t = min_t;
+  eager.trifle = 0;
   return eager;
 }
 
@@ -275,6 +276,18 @@ TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
   ASSERT_THAT(x.set, Contains(HasSubstr("spool_signal_")));
   EXPECT_TRUE(x.partial);
   EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
+}
+
+/// Sensors finer than any plant's show that signals do not quite move evenly between rows.
+TEST(NothingFalse, AnErrorThatNoSensorOfAPlantWouldShowIsNone) {
+  PressOptions options = ASeenPress(13);
+  options.control_period = options.sample_period;
+  for (double* noise : {&options.noise.p_A, &options.noise.z, &options.noise.y_v}) *noise *= 0.02;
+  const SimulatedLog log = SimulatePress(options);
+  ExplainOptions strict;
+  strict.trifle = 0;
+  EXPECT_NE(ExplanationOf(log, MachineFor(options), strict).verdict, Verdict::kAdequate);
+  EXPECT_EQ(ExplanationOf(log, MachineFor(options)).verdict, Verdict::kAdequate);
 }
 
 /// The error of an oil column in the line, which the library is to know nothing of: a tenth of the noise energy, and no effect gains
