@@ -16,8 +16,8 @@ constexpr std::int64_t kFarthest = 1ll << 40;  ///< rows from the beginning of a
 constexpr std::int64_t kRowsOfSlip = 2;        ///< a second sender may be off before it is moved
 constexpr std::uint32_t kMarksVersion = 2;
 constexpr std::uint32_t kMarksWithoutTime = 1;  ///< version written before the time of the last row was kept
-constexpr double kLongestOverlap =
-    10.0;  ///< s that an earlier life may have been ahead; more is a stepped clock
+/// Seconds that an earlier life may have been ahead; more is a stepped clock.
+constexpr double kLongestOverlap = 10.0;
 
 SampleBatch OnlyColumns(const SampleBatch& batch, const std::vector<std::size_t>& columns) {
   SampleBatch kept = batch;

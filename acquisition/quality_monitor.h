@@ -20,8 +20,8 @@ struct ChannelQuality {
   std::string name;
   std::int64_t rows = 0;                   ///< rows inspected
   std::array<std::int64_t, 16> flagged{};  ///< values per quality flag (bit number), whoever set it
-  double noise_std =
-      std::numeric_limits<double>::quiet_NaN();  ///< SI, white sensor noise; NaN until 64 values changed
+  /// SI, white sensor noise; NaN until 64 values changed.
+  double noise_std = std::numeric_limits<double>::quiet_NaN();
   double first_bad = std::numeric_limits<double>::quiet_NaN();  ///< s, first value with any flag; NaN if none
   double last_bad = std::numeric_limits<double>::quiet_NaN();   ///< s
 };
@@ -55,8 +55,8 @@ struct ChannelQuality {
 ///
 /// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
 /// back two rows, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
-/// are flagged as well; MostDelay() rows at most. Inspect gives out what need not be held any longer. At the end of a
-/// log, Flush gives out the last rows.
+/// are flagged as well. Inspect gives out what need not be held any longer. At the end of a log, Flush gives out the last
+/// rows.
 class QualityMonitor {
  public:
   /// `sample_period` in s.
@@ -65,10 +65,8 @@ class QualityMonitor {
   /// Adds flags to `block.quality`. Afterwards `block` holds the rows to be processed, delayed: fewer than came
   /// (perhaps none), or more where a run has ended.
   void Inspect(SampleBlock& block);
-  /// Fills `block` with the rows held back, at most MostDelay().
+  /// Fills `block` with the rows held back.
   void Flush(SampleBlock& block);
-  /// Rows between a row's coming and its being given out, at most.
-  std::size_t MostDelay() const { return hold_; }
 
   /// One per signal of the machine, over the rows given out so far.
   const std::vector<ChannelQuality>& channels() const { return channels_; }
@@ -137,7 +135,7 @@ class QualityMonitor {
   std::vector<Quality> flags_;  ///< of the same rows without history
   std::size_t frame_row_ = 0;   ///< rows given out in the present frame
   std::size_t held_ = 0;        ///< rows held back at present, the last kAhead of them not judged yet
-  std::size_t hold_ = kAhead;   ///< rows held back once they are there
+  std::size_t hold_ = kAhead;   ///< rows held back at most
   std::vector<double> held_time_, times_;  ///< s; of rows held back, and with those that came
   std::optional<Standstill> standstill_;   ///< nothing: no signal of this machine is known to follow another
 };

@@ -8,7 +8,7 @@ namespace {
 const char* SuppressionName(Suppression reason) {
   switch (reason) {
     case kSuppressedIdle:
-      return "press idle";
+      return "machine idle";
     case kSuppressedValveCheck:
       return "valve check running";
     case kSuppressedTooCold:

@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/frequency_response/frf_record.h"
 #include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_report.h"
 #include "host/output.h"
 #include "host/text_file.h"
 #include "models/machine_kind.h"
+#include "workbench/frequency_response/frf_record.h"
 
 namespace hydroscope {
 namespace {

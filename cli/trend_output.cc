@@ -7,7 +7,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/trend_summary.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/json_text.h"
@@ -18,6 +17,7 @@
 #include "host/output.h"
 #include "models/parameter_unit.h"
 #include "report/text_sink.h"
+#include "workbench/history/trend_summary.h"
 
 namespace hydroscope {
 namespace {

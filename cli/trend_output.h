@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "cli/trend_summary.h"
 #include "core/alarm_records.h"
 #include "core/result.h"
 #include "models/counted_words.h"
 #include "storage/database.h"
+#include "workbench/history/trend_summary.h"
 
 namespace hydroscope {
 

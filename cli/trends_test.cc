@@ -8,10 +8,10 @@
 
 #include "cli/commands.h"
 #include "cli/trend_output.h"
-#include "cli/trend_summary.h"
 #include "core/shown_width.h"
 #include "host/output.h"
 #include "storage/storage_fixture.h"
+#include "workbench/history/trend_summary.h"
 
 namespace hydroscope {
 namespace {

@@ -51,7 +51,7 @@ class Explainer {
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
-  std::vector<EffectChoice> Shapes(const EffectChoice& best) const;
+  std::vector<EffectChoice> ShapesToTry(const EffectChoice& best) const;
   CandidateModel WithSecond(const CandidateModel& first, const RankedEffect& second) const;
   std::vector<EffectChoice> PairFirsts(std::vector<RankedEffect> ranking) const;
   std::optional<std::pair<CandidateModel, Groups>> SearchPairs(
@@ -76,7 +76,7 @@ class Explainer {
 
 /// The effect in its best shape and in all that were refined: what suits a pair need not suit the effect
 /// alone, nor agree with itself there.
-std::vector<EffectChoice> Explainer::Shapes(const EffectChoice& best) const {
+std::vector<EffectChoice> Explainer::ShapesToTry(const EffectChoice& best) const {
   std::vector<EffectChoice> choices = {best};
   for (const int shape : ShapesFor(strokes_.model(), best.effect, start_.choices))
     if (strokes_.model().effect_shapes[best.effect][shape].refined && shape != best.shape)
@@ -91,14 +91,15 @@ std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> rankin
                    [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
   std::vector<EffectChoice> firsts;
   for (std::size_t a = 0; a < std::min(options_.pair_firsts, ranking.size()); ++a)
-    for (const EffectChoice& choice : Shapes(ranking[a].fit.effects.back().choice)) firsts.push_back(choice);
+    for (const EffectChoice& choice : ShapesToTry(ranking[a].fit.effects.back().choice))
+      firsts.push_back(choice);
   return firsts;
 }
 
 /// The model that has both, in the shapes that suit them best together: as ranked, or with the first in another one.
 CandidateModel Explainer::WithSecond(const CandidateModel& first, const RankedEffect& second) const {
   CandidateModel best = ranking_.With(first, second.fit.effects.back().choice);
-  for (const EffectChoice& choice : Shapes(first.choices.back())) {
+  for (const EffectChoice& choice : ShapesToTry(first.choices.back())) {
     const CandidateModel model = ranking_.With(start_, choice);
     const EffectChoice other =
         model.fit.solved ? strokes_.BestShape(second.effect, model.choices) : EffectChoice{0, -1};

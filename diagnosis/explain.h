@@ -41,33 +41,33 @@ struct ExplainOptions {
   /// Error over output, both rms, below which nothing is missing, however sure the error is: sensors of plants are no more linear
   /// than that, and between rows signals do not quite move evenly.
   double trifle = 0.0005;
-  double max_remainder =
-      40.0;  ///< gain another law may still make on an explanation that claims to be complete
+  /// Gain another law may still make on an explanation that claims to be complete.
+  double max_remainder = 40.0;
   double doubt_remainder = 15.0;   ///< ... and above which the explanation is flagged as partial
   double remainder_share = 0.003;  ///< of the gain so far, allowed on top of the former
   double doubt_share = 0.0005;     ///< ... and of the latter
   double doubt_margin = 20.0;      ///< a law without a name within this of the best flags it as partial too
   double beaten_margin = 15.0;     ///< ... and one better than the best by this leaves no name
-  double interplay =
-      4.0;  ///< two effects act on one another, which their sum leaves out: so much more may be left
-  double second_t =
-      6.0;  ///< as min_t, for each effect of a pair: a wrong first one leaves scraps for a second
-  double nonlinear_cost =
-      12.0;                  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
+  /// Two effects act on one another, which their sum leaves out: so much more may be left.
+  double interplay = 4.0;
+  /// As min_t, for each effect of a pair: a wrong first one leaves scraps for a second.
+  double second_t = 6.0;
+  /// Taken off the gain per nonlinear parameter: freedom to fit is not evidence.
+  double nonlinear_cost = 12.0;
   double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
   double sure_gain = 60.0;  ///< ... but none worse by so many noise variances, and by more than MayRemain
   int max_effects = 2;      ///< effects hidden at once that are looked for
   bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly
-  std::vector<std::string>
-      start;  ///< ids of effects that are part of the model already; each in its best shape
+  /// Ids of effects that are part of the model already; each in its best shape.
+  std::vector<std::string> start;
   std::map<std::string, Told> untestable;  ///< ids that these strokes cannot test, and why
   /// A twin (Effect::twins) leaves the set once it leaves so much more of the noise energy than the best does. Columns of late
   /// and of filtered signals err by less: `hydroscope benchmark late-signals` prints by how much.
   double twin_excess = kTwinExcess;
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
-  std::map<std::string, MeasuredSize>
-      measured;  ///< sizes of effects known from a test off the log (Effect::measured_by)
+  /// Sizes of effects known from a test off the log (Effect::measured_by).
+  std::map<std::string, MeasuredSize> measured;
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
   /// function of the measured signals can predict on strokes left out (diagnosis/remainder/predictability.h).
   bool floor_believable = true;
@@ -76,10 +76,10 @@ struct ExplainOptions {
   bool noise_is_white = true;
   PredictabilityOptions predictability;
   // Thresholds of single steps, set on the same campaigns unless said otherwise.
-  double matters_times =
-      5.0;  ///< an effect this many times its typical size must stand out, else it cannot be tested
-  double floor_error =
-      0.04;  ///< share of the noise energy by which the floor may be off (estimation/noise_floor_test.cc)
+  /// An effect this many times its typical size must stand out, else it cannot be tested.
+  double matters_times = 5.0;
+  /// Share of the noise energy by which the floor may be off (estimation/noise_floor_test.cc).
+  double floor_error = 0.04;
   std::size_t pair_firsts = 5;  ///< first effects on top of which every second one is tried
   double close_gain = 0.1;      ///< effects that gain this share of the best are refined
   double first_look_t = 3.0;    ///< second_t before shapes are refined, which makes sizes surer
@@ -138,11 +138,10 @@ struct RankedEffect {
   bool testable = false;
   Told why_not;             ///< why it cannot be tested with these data
   bool stands_out = false;  ///< of the noise, in the integral form: enough for a rival of what is named
-  bool significant =
-      false;  ///< ... and it lowers the error on strokes left out in the units shown: may be named
-  bool lawful =
-      true;  ///< false: refined, its one parameter contradicts itself (Effect::implied); or it contradicts what
-             ///< was measured of it
+  /// ... and it lowers the error on strokes left out in the units shown: may be named.
+  bool significant = false;
+  /// false: refined, its one parameter contradicts itself (Effect::implied); or it contradicts what was measured of it.
+  bool lawful = true;
   double gain = 0;     ///< held-out error energy removed, in noise variances
   double p_value = 1;  ///< of the size against 0, clustered by stroke
   ExtendedFit fit;
@@ -150,7 +149,7 @@ struct RankedEffect {
 
 struct ExplainStep {
   std::string added;       ///< "" for the model as it is
-  double rms_holdout = 0;  ///< m^3/s
+  double rms_holdout = 0;  ///< output unit
   double excess_ratio = 0;
 };
 
@@ -158,15 +157,15 @@ struct ExplainStep {
 struct OddStrokes {
   std::vector<std::size_t> strokes;  ///< indices of the strokes explained
   std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
-  std::string parameter =
-      {};  ///< of the base model: with another value in them it explains them as well; then `set` is []
+  /// Of the base model: with another value in them it explains them as well; then `set` is [].
+  std::string parameter = {};
 };
 
 /// A model that does better than the one as it is by giving up an effect that was added to it.
 struct EffectSwap {
   std::string out;              ///< effect of ExplainOptions::start to take out
   std::vector<std::string> in;  ///< effects to add in its place; [] = none is needed
-  double rms_before = 0;        ///< error on strokes left out as it is, m^3/s
+  double rms_before = 0;        ///< error on strokes left out as it is, output unit
   double rms_after = 0;         ///< ... and with the swap
 };
 

@@ -15,8 +15,8 @@ namespace {
 using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
-constexpr double kParametersSettled =
-    1e-4;  ///< relative, from one linearisation to the next: far inside any interval
+/// Relative, from one linearisation to the next: far inside any interval.
+constexpr double kParametersSettled = 1e-4;
 constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be judged on strokes left out
 constexpr double kConsistent = 0.25;      ///< relative difference of two values of a law's one parameter
 
@@ -55,6 +55,22 @@ double Energy(const Eigen::MatrixXd& augmented, const Eigen::VectorXd& theta) {
 NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
   const int n = static_cast<int>(augmented.rows()) - 1;
   return {augmented.topLeftCorner(n, n), augmented.col(n).head(n), augmented(n, n), count};
+}
+
+/// The effect whose size is entry `i` of theta, and whether physics and its own law allow that size.
+EffectEstimate SizeOf(const ModelStructure& model, const EffectChoice& choice, const Eigen::VectorXd& theta,
+                      int i) {
+  const Effect& effect = *model.effects[choice.effect];
+  EffectEstimate estimate;
+  estimate.choice = choice;
+  estimate.size = theta[i];
+  estimate.admissible = estimate.size >= effect.min && estimate.size <= effect.max;
+  if (!effect.implied) return estimate;
+  const double stated = model.effect_shapes[choice.effect][choice.shape].nonlinear[0];
+  const double implied = effect.implied({theta.head(model.base_count), estimate.size});
+  estimate.consistent =
+      std::abs(implied - stated) <= kConsistent * std::max(std::abs(implied), std::abs(stated));
+  return estimate;
 }
 
 /// Sizes of output, model and difference in the flow form; `strokes` are of StrokeSet::Reduced.
@@ -100,6 +116,8 @@ std::optional<Correction> CorrectionOf(const ModelStructure& model, std::span<co
       return Correction{choices[j].effect, values[j].front()};
   return std::nullopt;
 }
+
+double ExcessStd(const ExtendedFit& fit) { return StandardErrorOfSum(fit.excess); }
 
 void ScaleScatter(const Eigen::VectorXd& factor, ExtendedFit& fit) {
   fit.covariance = factor.asDiagonal() * fit.covariance * factor.asDiagonal();
@@ -383,7 +401,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const double further_noise = (noise_scale_ - 1) * noise;
   noise *= noise_scale_;
   fit.excess_ratio = (excess - further_noise) / noise;
-  fit.excess_error = StandardErrorOfSum(fit.excess) / noise;
+  fit.excess_error = ExcessStd(fit) / noise;
   fit.noise_variance = noise / total.equations;
   fit.fit_excess_ratio = (fit_excess - further_noise) / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(NonNegative(flow_error / windows)) : 0.0;
@@ -398,20 +416,10 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
       scale.asDiagonal() * Inverse(scale.asDiagonal() * total.h * scale.asDiagonal()) * scale.asDiagonal();
   for (std::size_t k = 0; k < choices.size(); ++k) {
     const int i = model_->base_count + static_cast<int>(k);
-    const Effect& effect = *model_->effects[choices[k].effect];
-    EffectEstimate estimate;
-    estimate.choice = choices[k];
-    estimate.size = fit.theta[i];
+    EffectEstimate estimate = SizeOf(*model_, choices[k], fit.theta, i);
     estimate.std = std::sqrt(fit.covariance(i, i)) * student;
     estimate.model_std = std::sqrt(NonNegative(inverse(i, i)) * fit.noise_variance);
     estimate.independent = std::clamp(1.0 / (inverse(i, i) * total.h(i, i)), 0.0, 1.0);
-    const EffectShape& shape = model_->effect_shapes[choices[k].effect][choices[k].shape];
-    if (effect.implied) {
-      const double implied = effect.implied({fit.theta.head(model_->base_count), estimate.size});
-      estimate.consistent = std::abs(implied - shape.nonlinear[0]) <=
-                            kConsistent * std::max(std::abs(implied), std::abs(shape.nonlinear[0]));
-    }
-    estimate.admissible = estimate.size >= effect.min && estimate.size <= effect.max;
     fit.effects.push_back(estimate);
   }
 }

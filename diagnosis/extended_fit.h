@@ -37,8 +37,8 @@ struct EffectEstimate {
   double model_std = 0;    ///< what the sensor noise alone promises
   bool admissible = true;  ///< sign and size within Effect::min ... max
   bool consistent = true;  ///< Effect::implied agrees with the shape's nonlinear parameter
-  std::vector<double>
-      nonlinear_std;       ///< of the shape's nonlinear parameters; [] if not found out (WidenByNonlinear)
+  /// Of the shape's nonlinear parameters; [] if not found out (WidenByNonlinear).
+  std::vector<double> nonlinear_std;
   double independent = 0;  ///< share of its regressor the base model cannot mimic, 0...1 (1 - R^2)
 };
 
@@ -57,13 +57,16 @@ struct ExtendedFit {
   double fit_excess_ratio = 0;  ///< the same on the strokes it was fitted to
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0;  ///< as in GramFit
   int indispensable_strokes = 0;  ///< as in GramFit; they do not enter `rms_holdout`
-  double rms_holdout = 0;         ///< m^3/s, flow form
-  double noise_floor = 0;         ///< m^3/s, flow form, sensor noise alone
+  double rms_holdout = 0;         ///< output unit, flow form
+  double noise_floor = 0;         ///< output unit, flow form, sensor noise alone
   /// Per stroke, held out: flow form, sum of squared errors; NaN as `excess`.
   Eigen::VectorXd flow_error;
   StrokeClusters clusters;   ///< what the intervals were made of: strokes, or after Widen groups of them
   Eigen::VectorXd widening;  ///< by how much Widen made the standard errors of theta wider; empty: by nothing
 };
+
+/// Standard error of the sum of ExtendedFit::excess, from its scatter between strokes.
+double ExcessStd(const ExtendedFit& fit);
 
 /// Multiplies the standard errors of theta and of the effects' sizes by `factor`, one per entry of theta.
 void ScaleScatter(const Eigen::VectorXd& factor, ExtendedFit& fit);

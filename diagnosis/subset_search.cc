@@ -11,8 +11,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kIndependent =
-    1e-9;  ///< share of a column that the others must leave, else it is one of them
+/// Share of a column that the others must leave, else it is one of them.
+constexpr double kIndependent = 1e-9;
 
 using Members = std::vector<int>;  ///< entries of SubsetScreen, ascending
 

@@ -9,7 +9,7 @@ namespace hydroscope {
 /// Relative difference of the errors of two models on strokes left out that decides nothing between them.
 inline constexpr double kSameError = 0.005;
 
-/// Of the search over all subsets of a small library.
+/// Of the search over all subsets of a small library. What they name and miss `hydroscope benchmark own-machines` counts.
 struct SubsetOptions {
   int max_effects = 4;       ///< in one subset
   int max_candidates = 20;   ///< of more, those that lower the error most by themselves: 6195 subsets

@@ -194,12 +194,6 @@ double WhiteStd(const SignalNoise& noise) {
 
 }  // namespace
 
-std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
-                                const WindowSamples& window, const Eigen::VectorXd& theta,
-                                std::span<const double> std) {
-  return SharesOf(model, strokes, window, theta, std, std);
-}
-
 FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
                       const WindowSamples& window, const Eigen::VectorXd& theta, const Machine& machine,
                       const FloorTrustOptions& options) {

@@ -52,11 +52,4 @@ FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<S
                       const WindowSamples& window, const Eigen::VectorXd& theta, const Machine& machine,
                       const FloorTrustOptions& options = {});
 
-/// Share of each measured channel of the base balance in its noise energy when the channels have the noise
-/// `std` (SI, one per channel; others 0): white noise is added to each in turn, through every derived channel
-/// and column. Sums to 1; all 0 if nothing makes a difference.
-std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
-                                const WindowSamples& window, const Eigen::VectorXd& theta,
-                                std::span<const double> std);
-
 }  // namespace hydroscope

@@ -88,6 +88,14 @@ Eigen::VectorXd DerivedStd(const ModelStructure& model, std::span<const NormalEq
   return single.cwiseMax(DerivedVariance(model, grouped).cwiseSqrt() * StudentFactor(clusters.count - 1.0));
 }
 
+/// Sizes of output, model and difference in the flow form.
+void TakeSizes(const NormalEquations& flow, GramFit& fit) {
+  if (!(flow.equations > 0)) return;
+  fit.rms_measured = std::sqrt(flow.yy / flow.equations);
+  fit.rms_modelled = std::sqrt(NonNegative(fit.theta.dot(flow.h * fit.theta) / flow.equations));
+  fit.rms_residual = std::sqrt(NonNegative(MeanSquaredError(flow, fit.theta)));
+}
+
 }  // namespace
 
 EstimateReason TrustOf(const DerivedParameter& parameter, double std) {
@@ -269,11 +277,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
     replicas.col(s) = theta;
   }
   fit.rms_holdout = judged > 0 ? std::sqrt(NonNegative(squared_error / judged)) : 0.0;
-  if (total_flow.equations > 0) {
-    fit.rms_measured = std::sqrt(total_flow.yy / total_flow.equations);
-    fit.rms_modelled = std::sqrt(NonNegative(fit.theta.dot(total_flow.h * fit.theta) / total_flow.equations));
-    fit.rms_residual = std::sqrt(NonNegative(MeanSquaredError(total_flow, fit.theta)));
-  }
+  TakeSizes(total_flow, fit);
   fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.WalkingParameters());
 
   fit.clusters = ClustersOf(strokes, integral, columns, fit.theta);
@@ -281,8 +285,8 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   const Eigen::VectorXd stds = DerivedStd(model, integral, fit.clusters, replicas);
   const Eigen::VectorXd excitation = Excitation(total.h);
   const std::vector<int> own = OwnParameters(derived, fit.theta);
+  const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
   for (std::size_t i = 0; i < derived.size(); ++i) {
-    const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
     const double random = spread_known ? stds[static_cast<Eigen::Index>(i)] : kInfinity;
     Estimate estimate;
     estimate.parameter = derived[i].name;

@@ -33,11 +33,11 @@ struct GramFit {
   Eigen::VectorXd theta;             ///< regression parameters, SI
   Eigen::MatrixXd covariance;        ///< clustered by stroke (delete-one jackknife) or wider units, SI
   std::vector<Estimate> parameters;  ///< physical parameters; value +- 1.96 std is the 95 % interval
-  double rms_measured = 0;           ///< m^3/s, output (flow form) of these strokes
-  double rms_modelled = 0;           ///< m^3/s
-  double rms_residual = 0;           ///< m^3/s, of their difference, on the strokes of the fit
-  double rms_holdout = 0;            ///< m^3/s, flow error on strokes the fit did not see
-  double noise_floor = 0;            ///< m^3/s, flow error that sensor noise alone would cause
+  double rms_measured = 0;           ///< output unit, output (flow form) of these strokes
+  double rms_modelled = 0;           ///< output unit
+  double rms_residual = 0;           ///< output unit, of their difference, on the strokes of the fit
+  double rms_holdout = 0;            ///< output unit, error on strokes the fit did not see
+  double noise_floor = 0;            ///< output unit, error that sensor noise alone would cause
   int strokes = 0;
   /// Strokes without which the rest determines no fit: something is known from one stroke alone, and no
   /// interval can be given (std is infinite). They do not enter `rms_holdout`.

@@ -40,8 +40,7 @@ struct SamplingRateOptions {
 /// computed from all rows, from every second and from every fourth: where the differences of the three shrink
 /// with the order p, that of all rows against none missing is the first divided by 2^p - 1 (Richardson 1911).
 /// What sensor noise adds to the difference is found by adding as much noise again, and taken out. Signals
-/// whose scatter may be their own motion (`trust`) count as
-/// free of noise. `noise_floor` in output units.
+/// whose scatter may be their own motion (`trust`) count as free of noise. `noise_floor` in output units.
 SamplingRate JudgeSamplingRate(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
                                const WindowSamples& window, const Eigen::VectorXd& theta,
                                const FloorTrust& trust, double noise_floor,

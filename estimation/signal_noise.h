@@ -39,8 +39,8 @@ struct SignalNoise {
   double range = 0;     ///< SI, from the 5 % to the 95 % quantile of the readings
   double quantum = 0;   ///< SI, smallest step between readings
   double repeated = 0;  ///< share of readings equal to the one before
-  double straight =
-      0;  ///< share of readings that lie, to the resolution, midway between their neighbours while these differ
+  /// Share of readings that lie, to the resolution, midway between their neighbours while these differ.
+  double straight = 0;
   double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
   double share = 1;  ///< of the noise energy of a balance; see JudgeFloor
   Told sentence;     ///< what is wrong with it, with units; "" if white

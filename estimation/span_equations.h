@@ -27,12 +27,12 @@ namespace hydroscope {
 /// Level form. A balance without d/dt needs no integration: its equations are the block means themselves, and
 /// none of them is spent on an intercept. Its windows are means over the same time as those of the flow form.
 ///
-/// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
+/// Flow form. Levels seen through a triangular window's derivative: in the unit of the output, to show and to compare.
 struct SpanEquations {
   Eigen::MatrixXd integral;       ///< columns x (blocks - 1), integrated output unit (m^3)
   Eigen::MatrixXd noise;          ///< columns x blocks, same unit: white noise
   Eigen::MatrixXd walk;           ///< columns x any number, same unit: noise that is integrated
-  Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
+  Eigen::MatrixXd flow;           ///< columns x windows, output unit
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
   int equations = 0;  ///< columns of `integral` that hold: blocks - 1, in the level form blocks

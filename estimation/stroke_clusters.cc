@@ -12,8 +12,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kLeastPivot =
-    1e-10;  ///< of scaled normal equations without a group: below it they say nothing alone
+/// Of scaled normal equations without a group: below it they say nothing alone.
+constexpr double kLeastPivot = 1e-10;
 constexpr int kLeastStrokes = 8;      ///< signs of fewer do not give a tail
 constexpr int kLeastGroups = 3;       ///< of operating points and times; two logs are two logs
 constexpr int kMostEqualGroups = 8;   ///< where the values of a level do not lie together

@@ -30,8 +30,8 @@ struct StrokeClusters {
 /// How a stroke was driven, as far as strokes may hang together by it.
 struct StrokeOperation {
   int log = 0;
-  Eigen::VectorXd
-      level;  ///< rms of the regressors in the flow form; not of the output, which holds the errors
+  /// Rms of the regressors in the flow form; not of the output, which holds the errors.
+  Eigen::VectorXd level;
 };
 
 /// Every stroke for itself.

@@ -104,8 +104,8 @@ class StrokeSegmenter {
   /// Last good value of each channel, for channels the base model does not need, and for how many samples it is held.
   std::vector<double> held_;
   std::vector<int> held_for_;
-  int hold_ =
-      0;  ///< samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged
+  /// Samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged.
+  int hold_ = 0;
   Stretch stretch_;
   int stretch_blocks_ = 0;
   int next_block_ = 0;  ///< block of the ring that follows the stretch, while there is one

@@ -15,6 +15,8 @@ namespace hydroscope {
 namespace {
 
 constexpr double kMostCorrelation = 0.99;
+/// Of a correlation by its bias: with so few residuals it is hardly known.
+constexpr double kLeastLeft = 0.2;
 
 double EffectiveCount(std::size_t n, double correlation) {
   return static_cast<double>(n) * (1 - correlation) / (1 + correlation);
@@ -49,7 +51,7 @@ Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
 
 /// A lag-one correlation found from n residuals of p unknowns, freed from its bias -(p + (p + 2) phi)/n.
 double CorrectedCorrelation(double raw, double p, double n) {
-  return std::clamp((raw + p / n) / std::max(0.2, 1 - (p + 2) / n), 0.0, kMostCorrelation);
+  return std::clamp((raw + p / n) / std::max(kLeastLeft, 1 - (p + 2) / n), 0.0, kMostCorrelation);
 }
 
 /// What the columns of x and a change leave of y, and how many unknowns the change and the search for it spent.
@@ -70,8 +72,8 @@ struct Leftover {
 /// The changes that LeftBy tries: a step, or a line that goes on elsewhere at another slope.
 enum class ChangeShape { kStep, kBrokenLine };
 constexpr double kSearch = 1;  ///< unknowns that the place of a change counts as
-constexpr double kBetterThanAStep =
-    0.5;  ///< share of the squares a step leaves that two lines must leave at most
+/// Share of the squares a step leaves that two lines must leave at most.
+constexpr double kBetterThanAStep = 0.5;
 
 /// What is left of y by the columns of x and the change at one place that fits best beside them: neither a jump nor a drift
 /// that begins somewhere must pass for slow wandering, which would hide it.
@@ -179,8 +181,8 @@ double TestedValue::HalfWidth() const {
 }
 
 Significance SignificanceOf(const TestedValue& tested) {
-  if (!tested.Known() || tested.p >= 0.05) return Significance::kNone;
-  return tested.p < 0.01 ? Significance::kClear : Significance::kHint;
+  if (!tested.Known() || tested.p >= kHintBelow) return Significance::kNone;
+  return tested.p < kClearBelow ? Significance::kClear : Significance::kHint;
 }
 
 void AdjustForFamily(const std::vector<double*>& family) {

@@ -18,7 +18,8 @@ struct TestedValue {
   double HalfWidth() const;
 };
 
-/// p < 0.01 is a finding, p < 0.05 a hint.
+inline constexpr double kClearBelow = 0.01;  ///< p of a finding
+inline constexpr double kHintBelow = 0.05;   ///< p of a hint
 enum class Significance { kNone, kHint, kClear };
 Significance SignificanceOf(const TestedValue& tested);
 

@@ -76,7 +76,6 @@ class AxisPipeline {
   ColumnPacker& packer_;
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<QualityMonitor> monitor_;
-  SampleBlock judged_;
   LiveBatch step_;
   std::int64_t rows_taken_ = 0;  ///< of the run
   std::int64_t strokes_ = 0;     ///< of the life of the service

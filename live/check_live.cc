@@ -18,6 +18,16 @@ namespace {
 
 constexpr std::int64_t kInboxValues = 4'000'000;
 
+/// Where `check --live` looks twice. Hints for whoever wires a machine up, no verdicts: wide on purpose.
+struct HintLimits {
+  double rate_off = 0.1;                   ///< of the rate that is expected
+  double silent = 0.5, silent_values = 3;  ///< s since the last value at least, and values that did not come
+  double flagged = 0.1;                    ///< of the values
+  double coldest = 250, warmest = 400;     ///< K: kelvins and degrees are taken for one another
+  double least_peak = 1e4, most_peak = 1e8;  ///< Pa: bars and pascals are taken for one another
+};
+constexpr HintLimits kHints{};
+
 /// Sums over the good values of one channel.
 struct Range {
   double min = kNaN, max = kNaN, sum = 0;
@@ -44,13 +54,13 @@ void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows,
     channel.hints.push_back(fmt::format("nothing came: {}", FindSourceKind(spec.origin->part())->silent));
     return;
   }
-  if (channel.rate < 0.9 * wanted || channel.rate > 1.1 * wanted)
+  if (channel.rate < (1 - kHints.rate_off) * wanted || channel.rate > (1 + kHints.rate_off) * wanted)
     channel.hints.push_back(fmt::format("{:.0f} values/s, expected {:.0f}: check grid_period or poll_period",
                                         channel.rate, wanted));
-  if (channel.age > std::max(0.5, 3 / wanted))
+  if (channel.age > std::max(kHints.silent, kHints.silent_values / wanted))
     channel.hints.push_back(
         fmt::format("the last value is {:.1f} s old: the sender went silent", channel.age));
-  if (channel.flagged > rows / 10)
+  if (static_cast<double>(channel.flagged) > kHints.flagged * static_cast<double>(rows))
     channel.hints.push_back(fmt::format(
         "{:.0f} % of its values are flagged: check unit, scale, min and max",
         100.0 * static_cast<double>(channel.flagged) / static_cast<double>(std::max<std::int64_t>(1, rows))));
@@ -58,13 +68,13 @@ void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows,
     channel.hints.push_back(
         "it never changed: a dead sensor, a wrong register, or the machine is switched off");
   const std::string si(channel.unit);
-  if (si == "K" && (channel.mean < 250 || channel.mean > 400))
+  if (si == "K" && (channel.mean < kHints.coldest || channel.mean > kHints.warmest))
     channel.hints.push_back(fmt::format("an oil temperature of {:.0f} degC is not likely: check the unit",
-                                        channel.mean - 273.15));
-  if (si == "Pa" && channel.max > 1e8)
+                                        channel.mean - kZeroCelsius));
+  if (si == "Pa" && channel.max > kHints.most_peak)
     channel.hints.push_back(
         fmt::format("{:.0f} bar is beyond hydraulics: check the unit", channel.max * 1e-5));
-  if (si == "Pa" && delivery.streamed && channel.max < 1e4 && channel.max > 0)
+  if (si == "Pa" && delivery.streamed && channel.max < kHints.least_peak && channel.max > 0)
     channel.hints.push_back("it stays below 0.1 bar: check the unit");
 }
 

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "live/live_service.h"
 #include "live/verify_live.h"
 #include "machines/die_cushion/press_file_fixture.h"

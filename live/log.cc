@@ -85,7 +85,6 @@ std::vector<LogLine> NewestLogLines() {
   return lines;
 }
 
-void LogDebug(const char* event, const LogFields& fields) { Write(spdlog::level::debug, event, fields); }
 void LogInfo(const char* event, const LogFields& fields) { Write(spdlog::level::info, event, fields); }
 void LogWarning(const char* event, const LogFields& fields) { Write(spdlog::level::warn, event, fields); }
 void LogError(const char* event, const LogFields& fields) { Write(spdlog::level::err, event, fields); }

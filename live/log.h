@@ -23,7 +23,6 @@ struct LogLine {
 /// The newest lines that were written, oldest first: what people see who do not read stderr.
 std::vector<LogLine> NewestLogLines();
 
-void LogDebug(const char* event, const LogFields& fields = {});
 void LogInfo(const char* event, const LogFields& fields = {});
 void LogWarning(const char* event, const LogFields& fields = {});
 void LogError(const char* event, const LogFields& fields = {});

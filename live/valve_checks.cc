@@ -76,11 +76,11 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
     return record;
   };
   if (end == SweepStatus::kBusy)
-    return ended("refused", "the controller refused: the press is working or another sweep runs");
+    return ended("refused", "the controller refused: the machine is working or another sweep runs");
   if (end == SweepStatus::kRefused)
     return ended("refused", "the controller refused: it does not allow this axis or amplitude");
   if (end == SweepStatus::kBroken)
-    return ended("broken", "the controller broke the sweep off; the press began to work");
+    return ended("broken", "the controller broke the sweep off; the machine began to work");
   if (end != SweepStatus::kDone)
     return ended("no_answer", "the controller did not answer the request in time");
   record.supply_pressure = Mean(rows, machine.SignalIndex(KindOf(machine).supply));

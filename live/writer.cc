@@ -24,8 +24,8 @@ namespace {
 constexpr std::chrono::milliseconds kRetry(250);
 constexpr std::chrono::milliseconds kPause(50);   // without work: time for a checkpoint, if it is due
 constexpr std::chrono::milliseconds kLook(1000);  // at the file, without work
-constexpr std::size_t kStepsToCheckpoint =
-    16;  // transactions; behind a stroke, when the next one is farthest
+// transactions; behind a stroke, when the next one is farthest.
+constexpr std::size_t kStepsToCheckpoint = 16;
 constexpr std::size_t kStepsWithoutStroke = 128;
 constexpr std::size_t kStepsTogether = 128;
 constexpr int kPatience = 10;  // niceness of checkpoints beyond that of the service

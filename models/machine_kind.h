@@ -38,7 +38,8 @@ struct MachineInput {
   /// Of known values, where `highest` is above `lowest`: no machine has one outside, in `unit` for messages.
   double lowest = 0, highest = 0;
   std::string_view unit = "";
-  bool toleranced = false;               ///< made, and so known, within a usual tolerance if none is stated
+  /// Of what is made, and so known, within a usual tolerance if none is stated: parameters in proportion to it, "V0 and Q_vn".
+  std::string_view shared_by = "";
   std::optional<double> otherwise = {};  ///< SI, value where the machine file states none
   /// Of signals; nothing: what every machine keeps to with a signal of its unit.
   std::optional<PlausibleSize> size = {};
@@ -114,8 +115,6 @@ MachinePicture PictureOf(const Machine& machine);
 /// Whether its rows are judged episode by episode, each as a whole: machines with states and plants in closed loop. What an
 /// episode leaves behind is linearised in the parameters (models/episode_structure.h).
 inline bool InEpisodes(const MachineKind& kind) { return kind.has_states || kind.closed_loop != nullptr; }
-/// What is counted of it: "stroke" or "episode".
-inline const char* CountedAs(const MachineKind& kind) { return InEpisodes(kind) ? "episode" : "stroke"; }
 /// nullptr if the kind has no parameter of that name.
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name);
 /// What strokes of the machine are driven at: conditions of its kind, then those of its file.

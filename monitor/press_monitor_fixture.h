@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "machines/die_cushion/press_file_fixture.h"
 #include "monitor/press_monitor.h"
 #include "studies/simulated_strokes.h"

@@ -78,10 +78,9 @@ bool IsParameterName(const std::string& text) {
 Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) {
   auto text = TextOf(object, key);
   if (text && !IsPlain(*text))
-    return BadInput(
-        Tell("{}: expected up to {} characters without quotes, such as p_A*sign(ddt(z))",
-             "{}: erwartet bis zu {} Zeichen ohne Anführungszeichen, zum Beispiel p_A*sign(ddt(z))", key,
-             kLongestExpression));
+    return BadInput(Tell("{}: expected up to {} characters without quotes, such as p*sign(ddt(x))",
+                         "{}: erwartet bis zu {} Zeichen ohne Anführungszeichen, zum Beispiel p*sign(ddt(x))",
+                         key, kLongestExpression));
   return text;
 }
 

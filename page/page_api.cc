@@ -22,15 +22,10 @@ HttpReply JobReply(const Result<std::int64_t>& job) {
   return job ? JsonReply({{"job", *job}}, 202) : FailureReply(job.error());
 }
 
-std::string Query(const HttpRequest& request, const char* name) {
-  const auto found = request.query.find(name);
-  return found == request.query.end() ? "" : found->second;
-}
-
 /// The whole number under `name`, `otherwise` if absent, nothing if it is no such number.
 std::optional<std::int64_t> NumberQuery(const HttpRequest& request, const char* name,
                                         std::int64_t otherwise) {
-  const std::string text = Query(request, name);
+  const std::string text = request.Query(name);
   if (text.empty()) return otherwise;
   std::int64_t number = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -48,20 +43,19 @@ HttpReply FoundReply(const nlohmann::json& found) {
 HttpReply GetResult(WorkSession& session, const HttpRequest& request) {
   const auto version = NumberQuery(request, "version", 0);
   if (!version) return ErrorReply(400, "version: expected the number of a version");
-  return FoundReply(
-      session.Find(Query(request, "kind"), Query(request, "about"), static_cast<int>(*version)));
+  return FoundReply(session.Find(request.Query("kind"), request.Query("about"), static_cast<int>(*version)));
 }
 
 HttpReply GetStroke(WorkSession& session, const HttpRequest& request) {
   const auto stroke = NumberQuery(request, "stroke", 0), version = NumberQuery(request, "version", 0);
   if (!stroke || !version) return ErrorReply(400, "stroke, version: expected whole numbers from 0");
-  return FoundReply(session.Stroke(*stroke, static_cast<int>(*version), Query(request, "effect")));
+  return FoundReply(session.Stroke(*stroke, static_cast<int>(*version), request.Query("effect")));
 }
 
 HttpReply GetRegion(WorkSession& session, const HttpRequest& request) {
   const auto version = NumberQuery(request, "version", 0);
   if (!version) return ErrorReply(400, "version: expected the number of a version");
-  const auto region = ParseRegion(Query(request, "where"));
+  const auto region = ParseRegion(request.Query("where"));
   if (!region) return FailureReply(region.error());
   const auto errors = session.ErrorsIn(*region, static_cast<int>(*version));
   return errors ? FoundReply(*errors) : FailureReply(errors.error());
@@ -139,9 +133,9 @@ constexpr WorkRoute kWorkRoutes[] = {
     {{"GET", "region", kLook}, GetRegion},
     {{"GET", "machine", kLook}, GetMachine},
     {{"POST", "logs", kWork},
-     [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeLog(Query(r, "name"), r.file)); }},
+     [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeLog(r.Query("name"), r.file)); }},
     {{"POST", "machine", kWork},
-     [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeMachine(Query(r, "name"), r.body)); }},
+     [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeMachine(r.Query("name"), r.body)); }},
     {{"POST", "example", kWork}, PostExample},
     {{"POST", "proposal", kWork}, PostProposal},
     {{"POST", "accept", kWork},

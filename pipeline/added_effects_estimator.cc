@@ -50,8 +50,8 @@ Result<std::vector<double>> GivenValues(const Machine& machine, const Effect& ef
 
 }  // namespace
 
-Result<std::shared_ptr<const ModelStructure>> AddedEffectsEstimator::Widen(const Machine& machine,
-                                                                           const ModelStructure& model) {
+Result<std::shared_ptr<const ModelStructure>> AddedEffectsEstimator::ModelWithValues(
+    const Machine& machine, const ModelStructure& model) {
   if (machine.added_effects.size() > kMostEffects)
     return BadInput(
         Tell("machine {}: {} effects are part of the model, at most {} can be identified with it",

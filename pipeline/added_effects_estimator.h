@@ -25,10 +25,10 @@ class AddedEffectsEstimator : public StrokeEstimator {
   /// The model of `machine` with shapes for Machine::effect_values behind its columns. Errors: an effect is
   /// not in the library, a signal it needs is not measured, more than kMostEffects, or a value that is no
   /// parameter of the effect.
-  static Result<std::shared_ptr<const ModelStructure>> Widen(const Machine& machine,
-                                                             const ModelStructure& model);
+  static Result<std::shared_ptr<const ModelStructure>> ModelWithValues(const Machine& machine,
+                                                                       const ModelStructure& model);
 
-  /// `model` is that of Widen.
+  /// `model` is that of ModelWithValues.
   AddedEffectsEstimator(const Machine& machine, std::shared_ptr<const ModelStructure> model,
                         const WindowSamples& window);
 

@@ -38,7 +38,7 @@ Result<std::unique_ptr<Pipeline>> BalancePipeline::Create(const Machine& machine
   window.level_form = (*model)->level_form;
   std::shared_ptr<const ModelStructure> wide = *model;
   if (HasAddedEffects(machine)) {
-    auto widened = AddedEffectsEstimator::Widen(machine, **model);
+    auto widened = AddedEffectsEstimator::ModelWithValues(machine, **model);
     if (!widened) return tl::unexpected(widened.error());
     wide = std::move(*widened);
   }

@@ -33,8 +33,8 @@ class EpisodeCutter {
     /// Whole logs: pieces longer than [episodes] seconds are cut into equal parts. Else rows come one after the other without
     /// end, and an episode is over as soon as it is so long.
     bool whole = false;
-    std::int64_t most_rows =
-        100'000;  ///< of an episode of an endless row of rows, where nothing else ends it
+    /// Of an episode of an endless row of rows, where nothing else ends it.
+    std::int64_t most_rows = 100'000;
   };
   using Sink = std::function<void(Episode&&, const StrokeCounters&)>;
 

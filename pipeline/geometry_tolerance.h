@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/machine.h"
@@ -14,8 +15,9 @@ inline constexpr double kAreaTolerance = 0.005;
 
 /// A tolerance that was assumed for want of a stated one.
 struct AssumedTolerance {
-  std::string name;  ///< of [geometry]
-  double std = 0;    ///< SI
+  std::string name;            ///< of [geometry]
+  std::string_view shared_by;  ///< MachineInput::shared_by
+  double std = 0;              ///< SI
 };
 
 /// Gives areas of the model without `std` (or with 0, which no area has) the standard uncertainty
@@ -23,7 +25,7 @@ struct AssumedTolerance {
 /// what all strokes share is no change, so trends and the drift watch leave it out.
 std::vector<AssumedTolerance> AssumeTolerances(Machine& machine);
 
-/// "A_A has no tolerance in the machine file: 0.5 % assumed (V0 and Q_vn are in proportion to it)".
+/// "A_A has no tolerance in the machine file: 0.5 % assumed, which V0 and Q_vn share in proportion".
 std::string AssumedText(const AssumedTolerance& assumed);
 
 }  // namespace hydroscope

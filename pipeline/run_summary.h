@@ -25,8 +25,8 @@ struct RunSummary {
   std::vector<std::string> absent;    ///< optional signals the log does not have
   std::vector<LogFinding> findings;   ///< the first few
   std::vector<std::string> warnings;  ///< what makes conclusions from this log doubtful (LogTrust)
-  std::string
-      too_slow;         ///< why its rows are too far apart to conclude anything from them, "" if they are not
+  /// Why its rows are too far apart to conclude anything from them, "" if they are not.
+  std::string too_slow;
   std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

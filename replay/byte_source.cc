@@ -161,7 +161,6 @@ Result<bool> LineBuffer::Fill() {
     if (*got == 0) {
       at_end_ = true;
       if (end_ == 0) return false;
-      last_line_open_ = true;
       buffer_[end_++] = '\n';
     }
     const void* last = ::memrchr(buffer_.get() + searched, '\n', end_ - searched);

@@ -38,8 +38,6 @@ class LineBuffer {
   const char* cursor() const { return buffer_.get() + begin_; }
   const char* limit() const { return buffer_.get() + complete_; }
   void Advance(const char* to) { begin_ = static_cast<std::size_t>(to - buffer_.get()); }
-  /// True once the source has ended without a line end after the last line.
-  bool last_line_open() const { return last_line_open_; }
   bool at_end() const { return at_end_; }
   double Progress() const { return source_->Progress(); }
 
@@ -54,7 +52,6 @@ class LineBuffer {
   std::size_t complete_ = 0;  ///< end of the last complete line
   std::size_t end_ = 0;       ///< end of the bytes read
   bool at_end_ = false;
-  bool last_line_open_ = false;
 };
 
 }  // namespace hydroscope

@@ -21,8 +21,8 @@ struct Linear {
 /// Which column of a log feeds which signal of a machine, and how it becomes SI.
 struct ColumnPlan {
   static constexpr int kAbsent = -1;
-  std::vector<int>
-      column;  ///< per signal: column index, kAbsent for an optional signal the log does not have
+  /// Per signal: column index, kAbsent for an optional signal the log does not have.
+  std::vector<int> column;
   std::vector<Linear> to_si;  ///< per signal
   int time = kAbsent;         ///< column index; kAbsent: rows are equally spaced
   double time_scale = 1.0;    ///< s per unit of the time column

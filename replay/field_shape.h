@@ -15,8 +15,8 @@ namespace hydroscope {
 /// at once (Lemire 2021 on the vector instructions for digits), instead of being searched for its point and
 /// its end.
 struct FieldShape {
-  static constexpr int kWidth =
-      16;  ///< characters of the longest field that has a shape, with the one behind it
+  /// Characters of the longest field that has a shape, with the one behind it.
+  static constexpr int kWidth = 16;
 
   alignas(16) char marks[kWidth] = {'0'};  ///< sign, point and the character behind; 0 at digits
   alignas(16) char places[kWidth] = {};    ///< which character is each of 16 digits; -1: none, a zero

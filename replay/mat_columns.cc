@@ -13,11 +13,11 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostColumns =
-    10'000;  // of a matrix that is taken for signals; a damaged file claims any number
+// Of a matrix that is taken for signals; a damaged file claims any number.
+constexpr std::int64_t kMostColumns = 10'000;
 
 template <typename T>
-void Widen(const unsigned char* bytes, std::int64_t count, std::int64_t stride, double* out) {
+void CopyAsDoubles(const unsigned char* bytes, std::int64_t count, std::int64_t stride, double* out) {
   for (std::int64_t i = 0; i < count; ++i) {
     T value;
     std::memcpy(&value, bytes + static_cast<std::size_t>(i * stride) * sizeof(T), sizeof(T));
@@ -30,34 +30,34 @@ bool ToDoubles(matio_classes kind, const unsigned char* bytes, std::int64_t coun
                double* out) {
   switch (kind) {
     case MAT_C_DOUBLE:
-      Widen<double>(bytes, count, stride, out);
+      CopyAsDoubles<double>(bytes, count, stride, out);
       return true;
     case MAT_C_SINGLE:
-      Widen<float>(bytes, count, stride, out);
+      CopyAsDoubles<float>(bytes, count, stride, out);
       return true;
     case MAT_C_INT8:
-      Widen<std::int8_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::int8_t>(bytes, count, stride, out);
       return true;
     case MAT_C_UINT8:
-      Widen<std::uint8_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::uint8_t>(bytes, count, stride, out);
       return true;
     case MAT_C_INT16:
-      Widen<std::int16_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::int16_t>(bytes, count, stride, out);
       return true;
     case MAT_C_UINT16:
-      Widen<std::uint16_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::uint16_t>(bytes, count, stride, out);
       return true;
     case MAT_C_INT32:
-      Widen<std::int32_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::int32_t>(bytes, count, stride, out);
       return true;
     case MAT_C_UINT32:
-      Widen<std::uint32_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::uint32_t>(bytes, count, stride, out);
       return true;
     case MAT_C_INT64:
-      Widen<std::int64_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::int64_t>(bytes, count, stride, out);
       return true;
     case MAT_C_UINT64:
-      Widen<std::uint64_t>(bytes, count, stride, out);
+      CopyAsDoubles<std::uint64_t>(bytes, count, stride, out);
       return true;
     default:
       return false;

@@ -11,8 +11,8 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsBuffered = 1024;
-constexpr double kNeighbourPeriods =
-    1.5;  // own periods between two rows above which nothing lies between them
+// Own periods between two rows above which nothing lies between them.
+constexpr double kNeighbourPeriods = 1.5;
 
 class ResampledReader : public LogReader {
  public:

@@ -21,8 +21,7 @@ constexpr double kDisplaced = 0.6, kDisplacedSpreads = 6.0;
 constexpr double kLargestShareOfBreaks = 0.25;
 // How far stamps may lie from their line, in the spread that windows show.
 constexpr double kOffTheLine = 1.6;
-constexpr double kMedianAbsolute = 0.6745;  // of a normal variable, in standard deviations
-constexpr int kRounds = 3;                  // of finding the period
+constexpr int kRounds = 3;  // of finding the period
 
 /// Rows [begin, end) of one time base.
 struct Span {
@@ -111,8 +110,8 @@ class LineFinder {
   void SplitWhereRowsAreMissing() {
     std::vector<double> spread;
     for (const double step : Wander()) spread.push_back(std::abs(step));
-    const double least =
-        std::max(kDisplaced * period_, kDisplacedSpreads * Median(std::move(spread), kNaN) / kMedianAbsolute);
+    const double least = std::max(
+        kDisplaced * period_, kDisplacedSpreads * Median(std::move(spread), kNaN) / kNormalMedianMagnitude);
     std::vector<Span> split;
     for (const Span& span : spans_) {
       std::size_t begin = span.begin;

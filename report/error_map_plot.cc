@@ -13,10 +13,12 @@
 namespace hydroscope {
 namespace {
 
+/// "p_{A} (bar)"; of what begins with a word, as "pressure_rate", nothing is an index.
 std::string AxisName(const ResidualSignal& signal) {
+  constexpr std::size_t kLongestSymbol = 3;
   const auto line = signal.name.find('_');
   std::string name = signal.name;
-  if (line != std::string::npos && signal.name != "pressure_rate")
+  if (line != std::string::npos && line <= kLongestSymbol)
     name = signal.name.substr(0, line + 1) + "{" + signal.name.substr(line + 1) + "}";
   return signal.unit.empty() ? name : fmt::format("{} ({})", name, signal.unit);
 }

@@ -5,22 +5,27 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/quantile.h"
 #include "diagnosis/remainder/locate.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "report/svg_text.h"
 
 namespace hydroscope {
+namespace {
 
-FlowErrors OverallErrors(const ReportInput& input) {
-  std::vector<double> rms, floor;
-  for (const StrokeSummary& stroke : input.strokes)
-    rms.push_back(stroke.rms_error), floor.push_back(stroke.noise_floor);
+// Error over noise floor up to which it is called "about down to" the floor, and up to which "some" behaviour is missing. Words
+// alone hang on them: what is missing, `explain` decides.
+constexpr double kAtTheFloor = 1.3, kSomeMissing = 2;
+constexpr double kWorthASentence = 0.1;  // change of that ratio, of its size at first
+
+}  // namespace
+
+ModelErrors OverallErrors(const ReportInput& input, const TrendAnalysis& analysis) {
   const auto known = [](double given, double median) {
     return given > 0 ? given : std::isfinite(median) ? median : 0;
   };
-  return {known(input.rms_holdout, Median(rms, kNaN)), known(input.noise_floor, Median(floor, kNaN))};
+  return {known(input.rms_holdout, analysis.error.median_rms),
+          known(input.noise_floor, analysis.error.median_floor)};
 }
 
 bool ErrorGrew(const ThirdsComparison& ratio) {
@@ -36,7 +41,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                               EscapeText(input.not_judged)));
     return;
   }
-  const FlowErrors errors = OverallErrors(input);
+  const ModelErrors errors = OverallErrors(input, analysis);
   if (!(errors.floor > 0) || !(errors.rms > 0)) return;
   const double ratio = errors.rms / errors.floor;
   const std::string times = FormatFixed(ratio, ratio < 10 ? 1 : 0);
@@ -45,17 +50,17 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
         "The model error is {} times what the noise between rows would leave, and nothing predicts it: the noise is not white, "
         "or the model misses something and the parameters may have absorbed part of it.",
         times));
-  else if (ratio <= 1.3 && input.found == ErrorFinding::kMore)
+  else if (ratio <= kAtTheFloor && input.found == ErrorFinding::kMore)
     out.push_back(fmt::format(
-        "The model error is {} times what sensor noise alone leaves; single flows hardly show it, but summed "
+        "The model error is {} times what sensor noise alone leaves; single values hardly show it, but summed "
         "over the {} the model misses something, and the parameters may have absorbed part of it.",
         times, counted.many));
-  else if (ratio > 1.3 && input.found == ErrorFinding::kNoise)
+  else if (ratio > kAtTheFloor && input.found == ErrorFinding::kNoise)
     out.push_back(fmt::format(
         "The model error is {} times what white sensor noise would leave, and nothing in it goes with any "
         "signal: the noise is not white.",
         times));
-  else if (ratio <= 1.3)
+  else if (ratio <= kAtTheFloor)
     out.push_back(
         fmt::format("The model explains the measured {} about down to what sensor noise "
                     "leaves ({} times the noise floor).",
@@ -66,7 +71,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
         "the model misses something and the parameters may have absorbed part of it. "
         "<code>hydroscope explain</code> with the logs tells which.",
         times));
-  else if (ratio <= 2)
+  else if (ratio <= kSomeMissing)
     out.push_back(
         fmt::format("The model error is {} times what sensor noise alone leaves: some of the machine's "
                     "behaviour is not in the model.",
@@ -78,7 +83,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                     times));
   const ThirdsComparison& trend = analysis.error.ratio;
   if (SignificanceOf(trend.change) == Significance::kClear &&
-      std::abs(trend.change.value) > 0.1 * trend.first)
+      std::abs(trend.change.value) > kWorthASentence * trend.first)
     out.push_back(
         fmt::format("The model error {} over the record, from {} to {} times the noise floor: the model fits "
                     "the machine {} at the end than at the start.",

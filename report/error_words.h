@@ -8,11 +8,11 @@
 
 namespace hydroscope {
 
-/// Flow errors of the whole record in m^3/s, as given or the medians over the strokes; 0 if unknown.
-struct FlowErrors {
+/// Errors of the whole record, SI of the output, as given or the medians over the strokes; 0 if unknown.
+struct ModelErrors {
   double rms = 0, floor = 0;
 };
-FlowErrors OverallErrors(const ReportInput& input);
+ModelErrors OverallErrors(const ReportInput& input, const TrendAnalysis& analysis);
 
 /// Growth of the error worth a sentence, of its size at first: as much is within what counts as at the noise floor.
 bool ErrorGrew(const ThirdsComparison& ratio);

@@ -1,15 +1,11 @@
 #include "report/explain_plots.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "core/constants.h"
 #include "core/interval_text.h"
-#include "diagnosis/remainder/residuals.h"
 #include "models/output_unit.h"
 #include "report/error_map_plot.h"
 #include "report/svg_rows.h"
@@ -18,15 +14,13 @@
 namespace hydroscope {
 namespace {
 
-/// Model error energy per equation left with a fit, in % of `base`, with its 95 % interval over the strokes.
+/// Model error energy left with a fit, in % of `base`, with its 95 % interval over the strokes.
 PlotRow ErrorLeft(const ExtendedFit& fit, double base) {
-  const double n = static_cast<double>(fit.excess.size());
-  const double mean = fit.excess.mean();
-  const double deviation = std::sqrt((fit.excess.array() - mean).square().sum() / std::max(1.0, n - 1) * n);
+  const double percent = 100 / base, half_width = kNormal95 * percent * ExcessStd(fit);
   PlotRow row;
-  row.value = 100 * fit.excess.sum() / base;
-  row.low = row.value - kNormal95 * 100 * deviation / base;
-  row.high = row.value + kNormal95 * 100 * deviation / base;
+  row.value = percent * fit.excess.sum();
+  row.low = row.value - half_width;
+  row.high = row.value + half_width;
   return row;
 }
 
@@ -50,12 +44,6 @@ const ErrorMap& ShownPair(const ExplainResult& result) {
   for (const ErrorMap& pair : pairs)
     if (pair.explained > pairs.front().explained - kEqual && TemperatureMoves(pair, result)) return pair;
   return pairs.front();
-}
-
-double Rms(const StrokeResiduals& stroke) {
-  double sum = 0;
-  for (int w = 0; w < stroke.windows(); ++w) sum += std::pow(stroke.measured[w] - stroke.modelled[w], 2);
-  return stroke.windows() > 0 ? std::sqrt(sum / stroke.windows()) : 0.0;
 }
 
 }  // namespace
@@ -109,42 +97,6 @@ std::string RankingPlot(const ExplainResult& result) {
 std::string ResidualMap(const ExplainResult& result, bool diverging) {
   if (result.location.pairs.empty() || result.signals.empty()) return "";
   return ErrorMapPlot(ShownPair(result), result.signals, OutputUnit(result.log.model.get()), diverging);
-}
-
-std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {
-  if (result.log.stretches.empty()) return {};
-  const Explanation& x = result.explanation;
-  const auto residuals = [&](const ExtendedFit& fit) {
-    return ResidualsOf(x.model, result.log.stretches, result.log.window, ColumnWeights(*x.model, fit))
-        .strokes;
-  };
-  const std::vector<StrokeResiduals> base = residuals(x.base), extended = residuals(x.final);
-  std::vector<std::size_t> order(base.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return Rms(base[a]) < Rms(base[b]); });
-  std::vector<StrokeOverlay> overlays;
-  const double step = result.log.window.block * result.log.window.period;
-  for (const auto& [s, label] :
-       {std::pair(order[order.size() / 2], "median error"), std::pair(order.back(), "largest error")}) {
-    const StrokeResiduals& stroke = base[s];
-    StrokeOverlay overlay;
-    overlay.output = result.log.model->words.output.english;
-    overlay.unit = OutputUnit(result.log.model.get());
-    overlay.sequence = result.log.strokes[s].summary.index;
-    overlay.label = label;
-    double noise = 0;
-    for (int w = 0; w < stroke.windows(); ++w) {
-      overlay.time.push_back(w * step);
-      noise += stroke.noise_variance[w];
-    }
-    overlay.measured = stroke.measured;
-    overlay.modelled = stroke.modelled;
-    if (x.steps.size() > 1) overlay.extended = extended[s].modelled;
-    overlay.noise_floor = stroke.windows() > 0 ? std::sqrt(noise / stroke.windows()) : 0;
-    if (overlays.empty() || overlays.front().sequence != overlay.sequence)
-      overlays.push_back(std::move(overlay));
-  }
-  return overlays;
 }
 
 std::string HistoryPlot(const std::vector<ModelRecord>& history) {

@@ -20,9 +20,6 @@ std::string RankingPlot(const ExplainResult& result);
 /// of measured minus modelled in place of the rms.
 std::string ResidualMap(const ExplainResult& result, bool diverging);
 
-/// The stroke of median and the one of largest error, with the model as it is and extended; empty without samples.
-std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result);
-
 /// SVG of the versions of a model: error on strokes left out of those that were judged; "" if fewer than two were.
 std::string HistoryPlot(const std::vector<ModelRecord>& history);
 

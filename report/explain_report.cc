@@ -14,6 +14,7 @@
 #include "report/report_plots.h"
 #include "report/svg_text.h"
 #include "report/unranked_effects.h"
+#include "workbench/explain/explain_overlays.h"
 #include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {

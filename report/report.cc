@@ -162,7 +162,7 @@ std::string TimeTile(const ReportInput& input, double duration, const CountedWor
 
 std::string Tiles(const Report& report) {
   const TrendAnalysis& analysis = report.analysis;
-  const FlowErrors errors = OverallErrors(report.input);
+  const ModelErrors errors = OverallErrors(report.input, analysis);
   std::string oil = "–", error = "–";
   if (std::isfinite(analysis.coldest))
     oil = FormatFixed(analysis.coldest - kZeroCelsius, 1) + " … " +
@@ -321,7 +321,7 @@ std::string MethodText(const Machine& machine) {
         FormatShort(estimator.time_constant));
   std::string out = estimator.equation == EquationForm::kPublished
                         ? "recursive least squares on filtered derivatives, as published"
-                        : "recursive least squares on the volume balance integrated over blocks";
+                        : "recursive least squares on the balance integrated over blocks";
   if (estimator.equation == EquationForm::kIntegral)
     out += fmt::format("; blocks of {} ms in spans of {} s", FormatShort(machine.window.block * 1e3),
                        FormatShort(machine.window.span));

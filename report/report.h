@@ -8,24 +8,11 @@
 
 #include "core/alarm_records.h"
 #include "core/result.h"
-#include "core/units.h"
+#include "pipeline/stroke_overlays.h"
 #include "workbench/explain/headline.h"
 #include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
-
-/// Measured and modelled flow of one stroke, for the overlay plot.
-struct StrokeOverlay {
-  std::int64_t sequence = 0;
-  std::vector<double> time;      ///< s
-  std::vector<double> measured;  ///< m^3/s
-  std::vector<double> modelled;  ///< m^3/s
-  std::vector<double> extended;  ///< m^3/s, with the effects that were found; empty without any
-  std::string label;             ///< "median error", "largest error"
-  double noise_floor = 0;        ///< m^3/s, rms that sensor noise alone would cause
-  std::string output = "flow";   ///< what is compared, and the unit people read it in
-  DisplayUnit unit = DisplayUnitFor("m3/s");
-};
 
 /// What was left out and why: "values flagged stuck, p_A", 1234 rows.
 struct SkippedItem {
@@ -44,7 +31,7 @@ struct ReportInput : RecordedHistory {
   std::string drift;                        ///< HTML of DriftSection
   std::string explanation;                  ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read
-  double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
+  double noise_floor = 0, rms_holdout = 0;  ///< SI of the output; 0 = take the medians over the strokes
   std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
   std::optional<ErrorFinding> found;  ///< by the explanation; nothing = no verdict
   std::string program_version;        ///< "" = not shown

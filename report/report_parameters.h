@@ -16,13 +16,13 @@ struct ParameterInfo {
   std::string sentence;  ///< for the glossary; "" if nothing is known
   std::string unit;      ///< "l/min"
   double factor = 1, offset = 0;
-  bool relative =
-      true;  ///< changes are told in % of the value; otherwise in the unit (y_0 is near zero by nature)
+  /// Changes are told in % of the value; otherwise in the unit (y_0 is near zero by nature).
+  bool relative = true;
 
   double Shown(double si) const { return si * factor + offset; }
 };
 
-/// Known for K, V0, Q_vn and y_0; any other parameter is shown by its id in DisplayUnitFor(si_unit).
+/// As the kind of machine says (MachineParameter); any other parameter is shown by its id in DisplayUnitFor(si_unit).
 /// `typical` (SI) chooses between l and cm3.
 ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std::string_view si_unit,
                       double typical);

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "report/report_fixture.h"
-#include "report/xml_check.h"
+#include "report/xml_check_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -44,8 +44,8 @@ class SvgPlot {
     bool log_x = false;                ///< the x axis is logarithmic; what is not above 0 is left out
     bool x_tick_labels = true;
     std::optional<AxisRange> x_range;  ///< instead of the range of the data
-    std::optional<AxisRange>
-        y_range;              ///< the same; a margin is added and levels may widen it; the rest is clipped
+    /// The same; a margin is added and levels may widen it; the rest is clipped.
+    std::optional<AxisRange> y_range;
     double left_margin = 58;  ///< px; the same for plots that stand above each other
   };
 

@@ -10,7 +10,7 @@
 #include "report/svg_heat.h"
 #include "report/svg_sheet.h"
 #include "report/svg_text.h"
-#include "report/xml_check.h"
+#include "report/xml_check_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -8,7 +8,7 @@
 #include "pipeline/axis_log.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/log_fingerprint.h"
-#include "report/stroke_overlays.h"
+#include "pipeline/stroke_overlays.h"
 #include "review/replay_runner.h"
 
 namespace hydroscope {

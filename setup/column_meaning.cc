@@ -55,15 +55,20 @@ void TimeByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
     }
 }
 
-double Correlation(const LogColumn& a, const LogColumn& b) {
+/// Over the rows in which both are known; `a0` and `b0`, about which they are summed, keep rounding small.
+double Correlation(const std::vector<double>& a, const std::vector<double>& b, double a0 = 0, double b0 = 0) {
   double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-  for (std::size_t i = 0; i < std::min(a.value.size(), b.value.size()); ++i) {
-    const double x = a.value[i] - a.low, y = b.value[i] - b.low;
-    if (!(x == x) || !(y == y)) continue;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const double x = a[i] - a0, y = b[i] - b0;
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
     n += 1, sa += x, sb += y, saa += x * x, sbb += y * y, sab += x * y;
   }
   const double variance = (n * saa - sa * sa) * (n * sbb - sb * sb);
   return variance > 0 ? (n * sab - sa * sb) / std::sqrt(variance) : 0;
+}
+
+double Correlation(const LogColumn& a, const LogColumn& b) {
+  return Correlation(a.value, b.value, a.low, b.low);
 }
 
 /// Columns of Pa size: the steadiest and highest is the supply, the liveliest chamber A.
@@ -141,16 +146,6 @@ std::vector<double> Motion(const LogColumn& column, std::size_t lag) {
   return out;
 }
 
-double CorrelationOf(const std::vector<double>& a, const std::vector<double>& b) {
-  double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
-    n += 1, sa += a[i], sb += b[i], saa += a[i] * a[i], sbb += b[i] * b[i], sab += a[i] * b[i];
-  }
-  const double variance = (n * saa - sa * sa) * (n * sbb - sb * sb);
-  return variance > 0 ? (n * sab - sa * sb) / std::sqrt(variance) : 0;
-}
-
 /// Columns whose names say nothing ("AI_0"), in a machine that has not been recognised by names: the position
 /// is the smooth one that goes to and fro, the spool follows its speed with both signs, the command runs with
 /// the spool, the pressure of chamber A is the one without negative readings that goes with the stroke. All
@@ -216,7 +211,7 @@ class Anonymous {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
       const bool both_signs = c.low < -0.02 * c.span() && c.high > 0.02 * c.span();
-      const double with = Free(i, Role::kSpool) && both_signs ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+      const double with = Free(i, Role::kSpool) && both_signs ? std::abs(Correlation(c.value, speed_)) : 0;
       if (with <= most) continue;
       most = with;
       best = i;
@@ -245,7 +240,7 @@ class Anonymous {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
       const double with =
-          Free(i, Role::kPressureA) && c.low > -0.05 * c.high ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+          Free(i, Role::kPressureA) && c.low > -0.05 * c.high ? std::abs(Correlation(c.value, speed_)) : 0;
       if (with <= most) continue;
       most = with;
       best = i;

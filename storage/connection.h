@@ -23,6 +23,11 @@ struct RunRow {
   std::string state, source;
 };
 
+/// The number that the next stroke of a machine gets, which has these runs.
+inline std::int64_t NextSequence(const std::vector<RunRow>& runs) {
+  return runs.empty() ? 0 : runs.back().first_sequence + runs.back().strokes;
+}
+
 /// Sum of several strokes with their model version.
 struct Rollup {
   StrokeGram gram;
@@ -38,8 +43,8 @@ struct GroupUnderWay {
 
 /// What a connection remembers of a machine to spare look-ups; forgotten when a transaction fails.
 struct MachineMemory {
-  std::int64_t oldest_kept_run =
-      0;  ///< the run in which the oldest raw rows were found last; earlier runs keep none
+  /// The run in which the oldest raw rows were found last; earlier runs keep none.
+  std::int64_t oldest_kept_run = 0;
   /// Steps of the clock between the runs `steps_from` to `steps_to`, s.
   std::int64_t steps_from = -1, steps_to = -1;
   double steps = 0;

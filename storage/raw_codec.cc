@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::uint8_t kVersion = 2;  // version 1 had no such byte: it begins with zlib's 0x78
 constexpr std::uint8_t kZlibBegins = 0x78;
-constexpr int kLevel =
-    6;  // of zlib; noise repeats nothing but runs, so that Z_RLE loses 2 % and takes half the time
+// Of zlib; noise repeats nothing but runs, so that Z_RLE loses 2 % and takes half the time.
+constexpr int kLevel = 6;
 constexpr int kMemoryLevel = 7;                 // of zlib: a block holds 8191 bytes, those of one column
 constexpr std::size_t kOwnCode = 1024;          // bytes of columns that are worth a code of their own
 constexpr std::size_t kFewRows = 100;           // not worth any: an estimate may wait for them
@@ -56,8 +56,8 @@ struct Steps {
 
 /// The numbers of steps of all values; nullopt if the column is no multiple of `step`.
 std::optional<Steps> CountSteps(std::span<const double> values, double step) {
-  constexpr double kToWhole =
-      0x1.8p52;  // adding it leaves no digits behind the point; inlined, unlike nearbyint
+  // Adding it leaves no digits behind the point; inlined, unlike nearbyint.
+  constexpr double kToWhole = 0x1.8p52;
   Steps found{.step = step, .numbers = {}, .corrections = {}};
   found.numbers.reserve(values.size());
   bool exact = true;

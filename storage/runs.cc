@@ -53,10 +53,6 @@ void CloseOpenRuns(Connection& connection, std::int64_t machine) {
   }
 }
 
-std::int64_t NextSequence(const std::vector<RunRow>& runs) {
-  return runs.empty() ? 0 : runs.back().first_sequence + runs.back().strokes;
-}
-
 }  // namespace
 
 Result<RunInfo> Database::BeginRun(std::int64_t machine, int model_version, const std::string& source,

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "storage/database.h"
 
 namespace hydroscope::storage_test {

@@ -9,17 +9,10 @@
 #include "storage/stroke_row.h"
 
 namespace hydroscope {
-namespace {
-
-std::int64_t End(const std::vector<RunRow>& runs) {
-  return runs.empty() ? 0 : runs.back().first_sequence + runs.back().strokes;
-}
-
-}  // namespace
 
 Result<std::int64_t> Database::EndSequence(std::int64_t machine) const {
   return Guarded(impl_->path, &impl_->db,
-                 [&]() -> Result<std::int64_t> { return End(impl_->RunsOf(machine)); });
+                 [&]() -> Result<std::int64_t> { return NextSequence(impl_->RunsOf(machine)); });
 }
 
 Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) const {
@@ -46,7 +39,7 @@ Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) con
       first.Step();
       found = run.first_sequence + first.Int(0);
     }
-    return found.value_or(End(runs));
+    return found.value_or(NextSequence(runs));
   });
 }
 
@@ -56,7 +49,7 @@ Result<std::vector<StrokeSummary>> Database::SummariesOf(std::int64_t machine, s
     SQLite::Transaction one_snapshot(impl_->db);
     const auto runs = impl_->RunsOf(machine);
     first = std::max<std::int64_t>(first, 0);
-    last = std::min(last, End(runs));
+    last = std::min(last, NextSequence(runs));
     const std::int64_t step =
         std::max<std::int64_t>(1, (last - first + most - 1) / std::max<std::int64_t>(most, 1));
     const std::string select =

@@ -57,8 +57,8 @@ struct Case {
   int number = 0;  ///< in the campaign
   PressOptions options;
   std::vector<std::string> truth;
-  double excess =
-      0;  ///< relative rise of the held-out error over that of the true model; of two effects the weaker one
+  /// Relative rise of the held-out error over that of the true model; of two effects the weaker one.
+  double excess = 0;
   Explanation explanation;
   Experiment experiment;                    ///< proposed if ambiguous
   bool located = false, patterned = false;  ///< healthy: an error is located, what is left is not white

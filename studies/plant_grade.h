@@ -25,8 +25,8 @@ struct PlantAnswer {
   Verdict verdict = Verdict::kUnknown;
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect those that may be it
   bool flagged = false;
-  std::vector<std::vector<std::string>> odd =
-      {};             ///< what explains strokes that differ from the rest; [] each if nothing
+  /// What explains strokes that differ from the rest; [] each if nothing.
+  std::vector<std::vector<std::string>> odd = {};
   double excess = 0;  ///< relative rise of the base model's held-out error over that of the reference
 };
 

@@ -5,8 +5,8 @@
 namespace hydroscope {
 
 struct SealFrictionOptions {
-  std::string
-      data;  ///< folder with X-ring257_*bar.csv; "" = seal_friction in HYDROSCOPE_DATA or ../shared/data
+  /// Folder with X-ring257_*bar.csv; "" = seal_friction in HYDROSCOPE_DATA or ../shared/data.
+  std::string data;
   std::string machine = "machines/seal_friction.toml";
 };
 

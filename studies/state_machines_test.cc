@@ -204,8 +204,8 @@ TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
 TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
   StateMachinesOptions options;
   options.seed = 89;
-  const StateMachineOutcome outcome =
-      RunCase(48, options);  // a hardening spring in full swing at the first row
+  // A hardening spring in full swing at the first row.
+  const StateMachineOutcome outcome = RunCase(48, options);
   EXPECT_GT(outcome.score.worst_ratio, 0) << outcome.line;
   EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
 }

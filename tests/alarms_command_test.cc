@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "alarms/alarm_machine.h"
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "storage/alarm_journal.h"
 #include "tests/command_line_fixture.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "models/machine_file/format.h"
-#include "report/xml_check.h"
+#include "report/xml_check_fixture.h"
 #include "studies/state_machines.h"
 #include "tests/command_line_fixture.h"
 

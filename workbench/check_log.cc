@@ -119,8 +119,9 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
   check.figures.noise_floor = fit->error.noise_floor / factor;
   check.noise_at_most = !fit->noise_alone();
   check.figures.rms_residual = fit->error.rms / factor;
+  // Of several outputs shares of their variation.
   check.figures.rms_measured = check.figures.rms_modelled =
-      fit->fit.noise.size() == 1 ? fit->fit.scale[0] : 1.0;  // several outputs: shares of their variation
+      fit->fit.noise.size() == 1 ? fit->fit.scale[0] : 1.0;
 }
 
 }  // namespace

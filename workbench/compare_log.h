@@ -20,12 +20,12 @@ namespace hydroscope {
 struct CompareThresholds {
   double family_error = 0.01;  ///< chance that some signal is called correlated when none is (Bonferroni)
   double pattern_p = 1e-4;  ///< p-value of the Ljung-Box test below which what is left has a pattern in time
-  double excess_errors =
-      4;  ///< standard errors of the excess energy above 0 (ErrorLocation), as ExplainOptions::min_t
-  double visible_error =
-      1.05;  ///< error over the noise floor from which it is seen with the eye: 10 % more energy
-  double clearly_more =
-      1.25;  ///< correlation at another time over the one at the same time, if it is to be told
+  /// Standard errors of the excess energy above 0 (ErrorLocation), as ExplainOptions::min_t.
+  double excess_errors = 4;
+  /// Error over the noise floor from which it is seen with the eye: 10 % more energy.
+  double visible_error = 1.05;
+  /// Correlation at another time over the one at the same time, if it is to be told.
+  double clearly_more = 1.25;
 };
 
 /// Measured against modelled output of one stroke, SI.
@@ -35,8 +35,8 @@ struct StrokeComparison {
   std::string log = {};     ///< file it is of; "" = of a database
   int windows = 0;
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0, noise_floor = 0;
-  std::optional<double>
-      free_run;  ///< SI, rms error of the channel that the model runs by itself; see FreeRun
+  /// SI, rms error of the channel that the model runs by itself; see FreeRun.
+  std::optional<double> free_run;
 
   /// rms of what is above the noise.
   double model_error() const {
@@ -61,8 +61,8 @@ struct CompareResult {
   ErrorLocation location;
   std::vector<std::string> warnings;     ///< what makes the result doubtful, a sentence each
   std::optional<HeldOutError> held_out;  ///< on the log that was held out
-  std::optional<Verdict>
-      verdict;                ///< that `explain` gives on these strokes; nothing if they are too few for it
+  /// That `explain` gives on these strokes; nothing if they are too few for it.
+  std::optional<Verdict> verdict;
   bool may_be_noise = false;  ///< Explanation::may_be_noise
   Told no_verdict;            ///< why `explain` gives none, "" if it does (Explanation::no_verdict)
 

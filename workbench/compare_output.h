@@ -9,7 +9,7 @@ namespace hydroscope {
 
 /// What `hydroscope compare` tells a person: error beside the noise, per stroke, whiteness, what the residual follows.
 std::string CompareText(const CompareResult& result);
-/// The JSON of docs/command_line.md; flows in l/min.
+/// The JSON of docs/command_line.md; outputs in the unit people read them in.
 nlohmann::json CompareJson(const CompareResult& result);
 
 }  // namespace hydroscope

@@ -25,8 +25,8 @@ Told ConditionRange::Text() const {
   return Tell("{} to {} {}", "{} bis {} {}", number(low), number(high), unit.name);
 }
 
-void Widen(const std::vector<Condition>& conditions, const StrokeSummary& stroke,
-           std::vector<ConditionRange>& ranges) {
+void IncludeStroke(const std::vector<Condition>& conditions, const StrokeSummary& stroke,
+                   std::vector<ConditionRange>& ranges) {
   if (ranges.empty())
     for (std::size_t c = 0; c < conditions.size(); ++c)
       ranges.push_back({conditions[c], stroke.conditions[c], stroke.conditions[c]});
@@ -39,7 +39,7 @@ void Widen(const std::vector<Condition>& conditions, const StrokeSummary& stroke
 std::vector<ConditionRange> RangesOf(const std::vector<Condition>& conditions,
                                      std::span<const StrokeSummary> strokes) {
   std::vector<ConditionRange> ranges;
-  for (const StrokeSummary& stroke : strokes) Widen(conditions, stroke, ranges);
+  for (const StrokeSummary& stroke : strokes) IncludeStroke(conditions, stroke, ranges);
   return ranges;
 }
 

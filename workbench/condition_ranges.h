@@ -25,7 +25,7 @@ std::vector<ConditionRange> RangesOf(const std::vector<Condition>& conditions,
                                      std::span<const StrokeSummary> strokes);
 
 /// Takes another stroke in.
-void Widen(const std::vector<Condition>& conditions, const StrokeSummary& stroke,
-           std::vector<ConditionRange>& ranges);
+void IncludeStroke(const std::vector<Condition>& conditions, const StrokeSummary& stroke,
+                   std::vector<ConditionRange>& ranges);
 
 }  // namespace hydroscope

@@ -23,7 +23,7 @@ Result<FitResult> FitStrokes(LogStrokes strokes) {
   if (!out) return out;
   std::vector<ConditionRange> ranges;
   for (const StrokeRecord& stroke : out->log.strokes)
-    Widen(out->log.model->conditions, stroke.summary, ranges);
+    IncludeStroke(out->log.model->conditions, stroke.summary, ranges);
   out->confounded =
       ConfoundingsOf(out->log.machine, out->log.model, out->log.Grams(), out->log.window, ranges, out->fit);
   MarkConfounded(out->confounded, out->fit);

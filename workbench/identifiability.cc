@@ -13,7 +13,9 @@ namespace {
 constexpr int kFewStrokes = 10;
 constexpr double kMostStrokesAdvised = 2000;
 
-double Goal(const Estimate& estimate) { return estimate.unit == "1" ? 0.01 : 0.10; }
+/// Half width of the interval of a parameter that is known well: of shares, and relative of all others.
+constexpr double kGoalOfShares = 0.01, kGoal = 0.10;
+double Goal(const Estimate& estimate) { return estimate.unit == "1" ? kGoalOfShares : kGoal; }
 
 /// A condition of the strokes that somebody can vary and nobody did; nullptr: none.
 const ConditionRange* Constant(const Driving& d) {

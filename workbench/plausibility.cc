@@ -12,6 +12,10 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kHardlyEver = 0.01;  // share of rows: so few are as good as none
+// Share of rows in which a mirrored condition would hold, to be advised.
+constexpr double kOftenEnough = 0.05;
+
 /// What a quantity on a hydraulic machine looks like; `measure` of a signal lies between `low` and `high`, SI.
 struct Expectation {
   const char* si;
@@ -139,7 +143,7 @@ void JudgeCopies(const CheckResult& check, std::vector<Told>& hints) {
 /// Without strokes, a signal that is hardly ever good explains more than the gate.
 void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<Told>& hints) {
   if (check.driving.strokes > 0 || !signal.spec.required || check.time.rows == 0) return;
-  if (static_cast<double>(signal.range.good) > 0.01 * static_cast<double>(check.time.rows)) return;
+  if (static_cast<double>(signal.range.good) > kHardlyEver * static_cast<double>(check.time.rows)) return;
   hints.push_back(Tell("{} (column {}): {} of {} readings are good, and no stroke can be used without it",
                        "{} (Spalte {}): {} von {} Werten sind gut, und ohne ihn ist kein Hub zu gebrauchen",
                        signal.spec.name, signal.spec.column, signal.range.good, check.time.rows));
@@ -148,9 +152,9 @@ void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vecto
 void JudgeGate(const CheckResult& check, std::vector<Told>& hints) {
   if (check.driving.strokes > 0) return;
   for (const ConditionSurvey& c : check.conditions) {
-    if (c.share >= 0.01) continue;
+    if (c.share >= kHardlyEver) continue;
     const Told what =
-        c.share_mirrored > 0.05
+        c.share_mirrored > kOftenEnough
             ? Tell(
                   "with the sign of the signal reversed it would hold in {:.0f} %: set scale = -1 for that signal, or "
                   "reverse the condition",

@@ -33,7 +33,7 @@ Pairs WriteDdsSource(const PartSettings& settings) {
 PartSettings ReadDdsOrigin(TableReader& signal) {
   DdsOrigin origin;
   signal.Text("dds", origin.channel);
-  if (origin.channel.empty()) signal.Wrong("dds", "the name of a channel, e.g. \"{axis}/p_A\"");
+  if (origin.channel.empty()) signal.Wrong("dds", "the name of a channel, e.g. \"{axis}/pressure\"");
   return PartSettings(origin);
 }
 

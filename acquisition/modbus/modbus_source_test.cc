@@ -97,8 +97,8 @@ TEST_F(IllController, RefusedRegistersAreToldAndTheOthersGoOn) {
   source_->Stop();
   machine_.signals.push_back(machine_.signals[0]);
   machine_.signals[1].name = "y";
-  machine_.signals[1].origin->As<ModbusOrigin>()->address =
-      65535;  // a float32 needs one more register than there are
+  // A float32 needs one more register than there are.
+  machine_.signals[1].origin->As<ModbusOrigin>()->address = 65535;
   source_ = MakeModbusRegisterSource(machine_, RealTime, 1);
   ASSERT_TRUE(source_->Start(sink_.sink()));
   EXPECT_TRUE(sink_.WaitForMore(3));

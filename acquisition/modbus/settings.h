@@ -40,8 +40,8 @@ struct ModbusRingSpec {
 /// How a valve sweep is asked for. The controller alone decides.
 struct ModbusSweepSpec {
   int coil = 0;  ///< written 1 to ask
-  int status =
-      0;  ///< uint16: 0 idle, 1 granted, 2 running, 3 done, 4 refused because busy, 5 refused, 6 broken off
+  /// uint16: 0 idle, 1 granted, 2 running, 3 done, 4 refused because busy, 5 refused, 6 broken off.
+  int status = 0;
   int axis = 0;       ///< uint16, written before the coil: 1 = first axis
   int amplitude = 0;  ///< uint16, written before the coil: 1/10000 of full scale
 

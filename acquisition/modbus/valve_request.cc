@@ -10,26 +10,6 @@ constexpr double kAmplitudeSteps = 1e4;  // of full scale
 
 }  // namespace
 
-std::string_view SweepStatusText(SweepStatus status) {
-  switch (status) {
-    case SweepStatus::kUndecided:
-      return "not decided";
-    case SweepStatus::kGranted:
-      return "granted";
-    case SweepStatus::kRunning:
-      return "running";
-    case SweepStatus::kDone:
-      return "done";
-    case SweepStatus::kBusy:
-      return "refused: the press is not at rest";
-    case SweepStatus::kRefused:
-      return "refused: not for this axis or amplitude";
-    case SweepStatus::kBroken:
-      return "broken off by the controller";
-  }
-  return "unknown";
-}
-
 bool IsFinal(SweepStatus status) { return status >= SweepStatus::kDone; }
 
 ValveRequest::ValveRequest(const ModbusSpec& spec)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 #include "acquisition/modbus/link.h"
 #include "acquisition/modbus/settings.h"
@@ -15,12 +14,10 @@ enum class SweepStatus : std::uint16_t {
   kGranted = 1,    ///< will begin
   kRunning = 2,
   kDone = 3,
-  kBusy = 4,     ///< refused: the press is not at rest, or a sweep is running
+  kBusy = 4,     ///< refused: the machine is not at rest, or a sweep is running
   kRefused = 5,  ///< refused: not this axis or amplitude, or not allowed at all
   kBroken = 6,   ///< begun and broken off by the controller
 };
-/// "granted", "refused: the press is not at rest", ... for people.
-std::string_view SweepStatusText(SweepStatus status);
 /// The sweep has come to an end, whichever.
 bool IsFinal(SweepStatus status);
 

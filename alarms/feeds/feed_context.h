@@ -16,8 +16,8 @@ struct FeedContext {
   const Machine& machine;  ///< whose [feeds] are asked for
   std::string database;
   Clock clock;
-  std::shared_ptr<const HealthBoard>
-      board;  ///< what the service knows of health; nullptr: only the journal is asked
+  /// What the service knows of health; nullptr: only the journal is asked.
+  std::shared_ptr<const HealthBoard> board;
 
   /// Another handle on journal and trends.
   FeedReader Reader() const {

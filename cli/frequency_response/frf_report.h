@@ -3,9 +3,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "cli/frequency_response/frf_record.h"
 #include "estimation/frequency_response/frequency_response.h"
 #include "models/machine.h"
+#include "workbench/frequency_response/frf_record.h"
 
 namespace hydroscope {
 

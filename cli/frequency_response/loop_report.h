@@ -3,8 +3,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "cli/frequency_response/loop_log.h"
 #include "diagnosis/closed_loop/change.h"
+#include "workbench/frequency_response/loop_log.h"
 
 namespace hydroscope {
 

@@ -50,6 +50,7 @@ struct LoopComparison {
 /// "adequate", "named", "ambiguous", "unknown".
 const char* VerdictName(LoopComparison::Verdict verdict);
 
+/// Of chance; what they name and leave is what `hydroscope benchmark test-cylinder --changes` counts.
 struct LoopComparisonOptions {
   double least_p = 0.01;  ///< chance from which what is left counts as error of the records
   double as_good = 6;     ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20

@@ -18,8 +18,8 @@ struct JudgedStroke {
   Eigen::VectorXd score;  ///< in units of noise variance
   Eigen::MatrixXd information;
   Eigen::VectorXd offset_doubt;  ///< SI, std of the class's offsets, each quantity alone
-  Eigen::VectorXd
-      outside_doubt;  ///< SI, of the class's quantities, outside the temperatures it was learned at
+  /// SI, of the class's quantities, outside the temperatures it was learned at.
+  Eigen::VectorXd outside_doubt;
 };
 
 /// When something changed, as stroke numbers: the change happened after stroke `last_before`.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/distributions.h"
+#include "core/quantile.h"
 #include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
@@ -50,7 +51,7 @@ double Scatter(const std::vector<double>& standardised) {
   std::vector<double> sizes;
   for (const double z : standardised) sizes.push_back(std::abs(z));
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
-  const double scale = std::max(sizes[sizes.size() / 2] / 0.6745, 1e-12);
+  const double scale = std::max(sizes[sizes.size() / 2] / kNormalMedianMagnitude, 1e-12);
   double single = 0, blocks = 0, block = 0;
   std::size_t count = 0;
   for (std::size_t k = 0; k < standardised.size(); ++k) {

@@ -15,9 +15,8 @@ struct DriftSize {
 ///   healthy: |shift| <= tolerance,   drifted: |shift| >= tolerance + something,
 /// with tolerance = half of the smallest drift worth finding + twice the std of the reference itself. Each
 /// stroke adds its log-likelihood ratio m (z - t) - m^2/2 for a shift of m standard deviations, m =
-/// smallest/std but at most 2, z clipped to
-/// +-4: one bad stroke adds 6 at most, far below the threshold of 20 (mean time between false alarms above
-/// e^20 strokes for independent normal deviations, Lorden 1971).
+/// smallest/std but at most 2, z clipped to +-4: one bad stroke adds 6 at most, far below the threshold of 20 (mean time between
+/// false alarms above e^20 strokes for independent normal deviations, Lorden 1971).
 class CumulativeSum {
  public:
   /// Takes a stroke's deviation in; `std` its sampling error, `doubt` the std of the reference, SI.

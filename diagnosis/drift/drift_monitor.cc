@@ -34,20 +34,6 @@ Eigen::VectorXd BehindNewest(const std::deque<JudgedStroke>& strokes, const std:
 
 }  // namespace
 
-const char* JudgementName(JudgementReason reason) {
-  switch (reason) {
-    case JudgementReason::kJudged:
-      return "judged";
-    case JudgementReason::kTooCold:
-      return "too_cold";
-    case JudgementReason::kNewClass:
-      return "new_class";
-    case JudgementReason::kUnusable:
-      return "unusable";
-  }
-  return "";
-}
-
 Told JudgementTold(JudgementReason reason) {
   switch (reason) {
     case JudgementReason::kJudged:

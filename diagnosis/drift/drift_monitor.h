@@ -23,7 +23,6 @@ enum class JudgementReason {
   kNewClass,  ///< a kind of stroke commissioning did not see; being learned
   kUnusable,  ///< its equations tell nothing (bad signals, no excitation)
 };
-const char* JudgementName(JudgementReason reason);
 Told JudgementTold(JudgementReason reason);
 
 /// One quantity of one stroke against the reference.

@@ -28,10 +28,11 @@ struct DriftThresholds {
   double behind = 3.0;      ///< standard errors of that mean from which on it is
 
   // Slow trends (slow_trend.h).
-  double slope = 5.0;             ///< standard deviations of a slope that is one
-  int block_strokes = 500;        ///< judged strokes whose mean is one point of the line
-  std::size_t blocks = 90;        ///< points kept
-  std::size_t least_blocks = 12;  ///< points a line needs
+  double slope = 5.0;              ///< standard deviations of a slope that is one
+  int block_strokes = 500;         ///< judged strokes whose mean is one point of the line
+  std::size_t blocks = 90;         ///< points kept
+  std::size_t least_blocks = 12;   ///< points a line needs
+  double most_correlation = 0.95;  ///< of neighbouring points that a slope's deviation is widened by
 
   // Reference and operating classes.
   int least_strokes = 100;       ///< of commissioning

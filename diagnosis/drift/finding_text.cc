@@ -17,7 +17,8 @@ namespace {
 Told PartText(const FindingPart& part) {
   const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
   if (part.share)
-    return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", quantity, 100 * part.size, 196 * part.std);
+    return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", quantity, 100 * part.size,
+                100 * kNormal95 * part.std);
   if (part.reference == 0) {  // an effect that is absent when healthy
     const EffectUnit unit = EffectUnitFor(part.unit);
     return Tell("{} {:+.3g} ± {:.2g} {}", "{} {:+.3g} ± {:.2g} {}", quantity, part.size * unit.factor,
@@ -30,7 +31,7 @@ Told PartText(const FindingPart& part) {
            (part.reference + part.size) * unit.factor + unit.offset, unit_name);
   if (const auto share = RelativeChange(part.reference, part.std, part.size))
     return Tell("{} {:+.1f} ± {:.1f} % ({})", "{} {:+.1f} ± {:.1f} % ({})", quantity, 100 * *share,
-                196 * part.std / std::abs(part.reference), values);
+                100 * kNormal95 * part.std / std::abs(part.reference), values);
   return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", quantity, part.size * unit.factor,
               kNormal95 * part.std * unit.factor, unit_name, values);
 }

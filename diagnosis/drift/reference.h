@@ -23,8 +23,8 @@ struct Deviation {
   Eigen::VectorXd reference;     ///< SI, expected value at this oil temperature
   Eigen::VectorXd curve_doubt;   ///< SI, std of the temperature curves here, the same for all strokes
   Eigen::VectorXd offset_doubt;  ///< SI, std of the class's offsets, the same for all its strokes
-  Eigen::VectorXd
-      outside_doubt;      ///< SI, std of how the class changes beyond the temperatures it was learned at
+  /// SI, std of how the class changes beyond the temperatures it was learned at.
+  Eigen::VectorXd outside_doubt;
   Eigen::VectorXd doubt;  ///< SI, all three
   Eigen::VectorXd score;  ///< offsets taken out, divided by the class's scatter
   Eigen::MatrixXd information;

@@ -45,7 +45,8 @@ TrendFigures SlowTrend::Figures(double smallest, double doubt) const {
     squares += rest.back() * rest.back();
     if (rest.size() > 1) lagged += rest.back() * rest[rest.size() - 2];
   }
-  const double correlation = squares > 0 ? std::clamp(lagged / squares, 0.0, 0.95) : 0;
+  const double correlation =
+      squares > 0 ? std::clamp(lagged / squares, 0.0, kDriftThresholds.most_correlation) : 0;
   const double variance = std::max(promised, squares / (n - 2)) * (1 + correlation) / (1 - correlation);
   figures.slope_std = std::sqrt(variance / xx);
   figures.now = mean_y + figures.slope * (blocks_.back().sequence - mean_x);

@@ -71,8 +71,8 @@ class WatchedModel {
   Eigen::VectorXd SolveBase(const NormalEquations& equations) const;
   std::shared_ptr<const ModelStructure> model_;
   std::vector<Quantity> quantities_;
-  std::vector<std::size_t>
-      picked_;  ///< parameters of the model that are watched: as many as there are regressors
+  /// Parameters of the model that are watched: as many as there are regressors.
+  std::vector<std::size_t> picked_;
   std::vector<int> columns_;
 };
 

@@ -18,8 +18,8 @@ struct ExperimentOptions {
   double twins_apart = 1.25 * kTwinExcess;  ///< noise energy by which strokes must tell twins apart
   int fewest_strokes = 24;                  ///< fewer give no interval worth the name
   double watched = 0.5;  ///< share of the best effect's gain from which others must stay apart too ...
-  double watched_weight =
-      2.0;  ///< ... of which the separation counts so many times, since they lag behind already
+  /// ... of which the separation counts so many times, since they lag behind already.
+  double watched_weight = 2.0;
 };
 inline constexpr ExperimentOptions kExperiment{};
 
@@ -30,10 +30,10 @@ std::vector<std::size_t> OpenGroups(const Explanation& explanation);
 /// telling the rivals apart needs.
 struct RivalModel {
   std::shared_ptr<ModelStructure> structure;
-  std::vector<int>
-      rivals;  ///< indices of effects between which the explanation cannot decide; empty if it decides
-  std::vector<int>
-      watched;  ///< effects that could become rivals in strokes that do not tell them apart either
+  /// Indices of effects between which the explanation cannot decide; empty if it decides.
+  std::vector<int> rivals;
+  /// Effects that could become rivals in strokes that do not tell them apart either.
+  std::vector<int> watched;
   std::vector<EffectChoice> others;
 };
 /// Of one hidden effect that the explanation leaves open: `group` of OpenGroups, the first one unless said.

@@ -23,6 +23,7 @@ constexpr std::size_t kFewestAlike = 4;  ///< strokes that stand for their kind
 /// Strokes of a kind must save a third of the time against going on as recorded: what is asked of people must
 /// be worth it.
 constexpr double kClearlyFewer = 0.67;
+constexpr double kOfTheWay = 0.95;  ///< that a signal gets within a stroke: beyond, noise makes the extremes
 
 std::set<std::string> SignalsIn(const Machine& machine, const std::string& expression,
                                 const ExpressionNames& names) {
@@ -169,7 +170,7 @@ class SignalSearch {
     return out;
   }
 
-  /// How far a signal gets from its mean within a stroke, noise aside: 95 % of the way in a typical stroke.
+  /// How far a signal gets from its mean within a stroke, noise aside: kOfTheWay in a typical stroke.
   double Reach(int channel) const {
     std::vector<double> reaches;
     for (const StrokeStretches& stroke : recorded_) {
@@ -177,7 +178,7 @@ class SignalSearch {
       std::vector<double> ways;
       for (const Stretch& stretch : stroke)
         for (int k = 0; k < stretch.samples; ++k) ways.push_back(std::abs(stretch[channel][k] - mean));
-      reaches.push_back(Quantile(std::move(ways), 0.95, 0));
+      reaches.push_back(Quantile(std::move(ways), kOfTheWay, 0));
     }
     return Median(std::move(reaches), 0);
   }

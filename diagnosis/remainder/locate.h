@@ -8,14 +8,16 @@
 
 namespace hydroscope {
 
+/// What a located error is. `p_floor` is a chance, the rest keeps bins from speaking that hold too little: simulated errors are located,
+/// noise alone in a hundred logs is not (diagnosis/remainder/locate_test.cc).
 struct LocateOptions {
   int bins = 8;       ///< of equally many windows, one-signal maps
   int pair_bins = 5;  ///< per signal, two-signal maps
-  double p_floor =
-      0.01;  ///< chance of calling any bin of sensor noise alone an error (Bonferroni over all bins)
+  /// Chance of calling any bin of sensor noise alone an error (Bonferroni over all bins).
+  double p_floor = 0.01;
   double floor_excess = kFloorExcess;
-  double above_rest =
-      1.5;  ///< located: model error energy over that of the rest of the map, whichever stroke is left out
+  /// located: model error energy over that of the rest of the map, whichever stroke is left out.
+  double above_rest = 1.5;
   double overlap = 4;       ///< windows that share noise: 2 half windows of WindowSamples, in blocks
   double min_windows = 30;  ///< fewer windows or ...
   int min_strokes = 3;      ///< ... fewer strokes in a bin say nothing
@@ -26,10 +28,10 @@ struct MapCell {
   std::vector<double> from, to;  ///< per signal, SI
   double windows = 0;
   int strokes = 0;    ///< with windows in the cell
-  double noise = 0;   ///< (m^3/s)^2, mean squared error that sensor noise causes
-  double excess = 0;  ///< (m^3/s)^2, mean squared error less what sensor noise causes
+  double noise = 0;   ///< output unit squared, mean squared error that sensor noise causes
+  double excess = 0;  ///< output unit squared, mean squared error less what sensor noise causes
   double excess_std = 0;
-  double mean = 0, mean_std = 0;  ///< m^3/s, mean of measured - modelled and its standard error
+  double mean = 0, mean_std = 0;  ///< output unit, mean of measured - modelled and its standard error
   bool above_floor = false;       ///< significantly more than sensor noise
 };
 
@@ -47,15 +49,15 @@ struct Located {
   std::string signal;
   double from = 0, to = 0;
   std::string unit;
-  double rms = 0;          ///< m^3/s, model error in the range, sensor noise taken out
-  double mean = 0;         ///< m^3/s, mean of measured - modelled
+  double rms = 0;          ///< output unit, model error in the range, sensor noise taken out
+  double mean = 0;         ///< output unit, mean of measured - modelled
   double share_error = 0;  ///< share of the model error's energy in the range
   double share_windows = 0;
 };
 
 struct ErrorLocation {
-  double excess = 0;                    ///< (m^3/s)^2, mean model error energy, sensor noise taken out
-  double excess_std = 0;                ///< clustered by stroke
+  double excess = 0;      ///< output unit squared, mean model error energy, sensor noise taken out
+  double excess_std = 0;  ///< clustered by stroke
   std::vector<ErrorMap> single, pairs;  ///< best explained first
   std::vector<Located> located;         ///< most of the error in least of the data first; empty: a flat map
 };

@@ -33,8 +33,8 @@ struct Predictability {
   double null_share = 0;  ///< 95 % of those are smaller: what could have been seen
   std::string about;      ///< what the bank is a function of
   double energy = 0;      ///< of the error on groups left out, mean per equation, output unit squared
-  double correlation =
-      1;  ///< by how much scores of features scatter more between groups than white noise would let them
+  /// By how much scores of features scatter more between groups than white noise would let them.
+  double correlation = 1;
   /// Whether a law is missing, on top of a model of which `before` (energy of the same equations) was predictable.
   bool IsStructured(const PredictabilityOptions& options, double predictable_before = 0) const {
     return tested && p_value <= options.max_p && share >= options.min_share &&

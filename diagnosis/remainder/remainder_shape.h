@@ -10,15 +10,15 @@ namespace hydroscope {
 
 struct ShapePoint {
   double x = 0;      ///< in the signal's unit as shown
-  double value = 0;  ///< m^3/s, measured less modelled
+  double value = 0;  ///< output unit, measured less modelled
   double std = 0;    ///< clustered by stroke; value +- 1.96 std is the pointwise 95 % band
 };
 
 /// What a model leaves, as a smooth curve over the one signal that it follows best.
 struct RemainderShape {
   std::string signal, unit;
-  double explained =
-      0;  ///< share of the error's energy that the curve predicts on strokes left out, at most 1
+  /// Share of the error's energy that the curve predicts on strokes left out, at most 1.
+  double explained = 0;
   std::vector<ShapePoint> points;
 };
 

@@ -22,9 +22,9 @@ struct ResidualSignal {
 
 /// Measured against modelled output of one stroke. A window is the triangular flow window of SpanEquations.
 struct StrokeResiduals {
-  std::vector<double> measured, modelled;  ///< m^3/s, per window
-  std::vector<double>
-      noise_variance;      ///< (m^3/s)^2, what sensor noise adds to measured - modelled, per window
+  std::vector<double> measured, modelled;  ///< output unit, per window
+  /// Output unit squared: what sensor noise adds to measured - modelled, per window.
+  std::vector<double> noise_variance;
   Eigen::MatrixXd signal;  ///< signals x windows, SI, means over the window
   /// Integral form, block by block, per span: contrasts of the residual whitened by the covariance that
   /// sensor noise gives them (white level noise and random walk), so that an exact model leaves independent

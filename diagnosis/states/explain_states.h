@@ -48,14 +48,14 @@ struct ExplainStatesOptions {
   double candidate_tolerance = 1e-5;
   double few_t = 1;    ///< least t of any gain: an effect may act in a few pieces only
   double min_t = 2.5;  ///< gain over its standard error by pieces of the log
-  double min_gain =
-      40;  ///< energy removed on pieces left out, in noise variances, where nothing structured is left
+  /// Energy removed on pieces left out, in noise variances, where nothing structured is left.
+  double min_gain = 40;
   double sure_t = 4;  ///< ... and its t there
-  double min_removed =
-      0.2;  ///< of the energy that functions can predict: what a further effect must take away
+  /// Of the energy that functions can predict: what a further effect must take away.
+  double min_removed = 0.2;
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
-  double left_share =
-      0.02;  ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
+  /// Of that energy: what a complete explanation may leave; of n effects 1/n^2 of it.
+  double left_share = 0.02;
   /// A set stands against a limit in doubt if it leaves less than the machine does without that limit, divided by this.
   double limit_margin = 2;
   /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
@@ -64,17 +64,17 @@ struct ExplainStatesOptions {
   /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
   double dynamics_share = 0.25;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
-  double near_law =
-      0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
-  double rival_removed =
-      0.5;  ///< share of what the best set removes from which on another is fitted from afar, too
+  /// Share of a set's terms that the nearest of another set may differ by to be fitted from there.
+  double near_law = 0.5;
+  /// Share of what the best set removes from which on another is fitted from afar, too.
+  double rival_removed = 0.5;
   /// Readings over which errors are correlated, from which on what is left is no white noise: of that their scatter leaves less
   /// than 1.2 from 1000 readings on.
   double white_readings = 1.5;
   double rival_gain = 12;  ///< sets within this of the best, in noise variances, stay rivals ...
   double rival_t = 2.5;    ///< ... and those that are not worse by so many standard errors
-  double rival_share =
-      0.02;  ///< ... if they leave no more than this share of what the best removed beyond it
+  /// ... if they leave no more than this share of what the best removed beyond it.
+  double rival_share = 0.02;
   StateFitOptions fit;
   StateRemainderOptions remainder;
   SpecificityOptions specificity;
@@ -86,14 +86,14 @@ struct StatesExplanation {
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it
   bool astray = false;                           ///< unknown: the free run hardly follows what was measured
   bool partial = false;  ///< unknown: `nearest` explains part of it; named: a little is left
-  std::vector<std::string>
-      nearest;             ///< effects that explain a part, but may stand for a law nobody has named
+  /// Effects that explain a part, but may stand for a law nobody has named.
+  std::vector<std::string> nearest;
   double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
   std::vector<Told> warnings;
   StateCandidate base, final;
   std::vector<StateCandidate> rivals;  ///< of `final`, that do as well
-  std::vector<Episode>
-      runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
+  /// That the fits above are of, where the episodes were cut (ShortRuns); else empty.
+  std::vector<Episode> runs;
   StateRemainder base_left, final_left;
   std::optional<double> dynamics;                     ///< FindMissingDynamics of `final`
   std::optional<ParameterDrift> drift;                ///< ... and FindParameterDrift

@@ -8,6 +8,7 @@
 
 namespace hydroscope {
 
+/// When a run over a log held out is worth a sentence; none of them decides a verdict.
 struct HeldOutRunOptions {
   int rows = 50;           ///< of a short run
   double more = 1.5;       ///< error over the fit's from which on a cause is looked for
@@ -23,8 +24,8 @@ struct HeldOutRun {
     double fitted_low = 0, fitted_high = 0, low = 0, high = 0;
   };
   double error = 0;  ///< rms over that of the log fitted, of the worst output
-  double short_error =
-      0;  ///< the same of short runs with initial states of their own; 0: none were needed or possible
+  /// The same of short runs with initial states of their own; 0: none were needed or possible.
+  double short_error = 0;
   /// Law and parameters hold over short runs, the long one loses its way: small differences of where it begins and of the
   /// parameters grow in it.
   bool loses_its_way = false;

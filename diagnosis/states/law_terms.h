@@ -7,6 +7,7 @@
 
 namespace hydroscope {
 
+/// Of a search: more finds the same and takes longer. Whether laws are one is ExplainStatesOptions::same_law.
 struct NearestLawOptions {
   int rows = 400;   ///< spread over the episodes, that terms are compared at
   int draws = 200;  ///< of the effects' parameters from their ranges

@@ -9,6 +9,7 @@
 
 namespace hydroscope {
 
+/// Of a curve that is shown; what it may claim, `min_share`, is asked for on pieces left out.
 struct MissingLawOptions {
   int groups = 8;             ///< of neighbouring pieces, left out in turn
   double ridge = 1e-4;        ///< of the functions, each over its own size

@@ -8,6 +8,7 @@
 
 namespace hydroscope {
 
+/// When another sensor is worth a sentence; none of them decides a verdict.
 struct MissingSensorOptions {
   /// Relative standard error of a parameter from which on another sensor is asked for: its 95 % interval spans 4 % ...
   double loose = 0.01;

@@ -8,11 +8,13 @@
 
 namespace hydroscope {
 
+/// What they find on machines that miss nothing, and miss of laws that no effect of the file is, `hydroscope benchmark
+/// state-machines` counts.
 struct StateRemainderOptions {
   int flips = 199;      ///< of the signs of the pieces: the share that chance reaches
   double max_p = 0.02;  ///< beyond: what is left is noise for all that can be seen
-  double min_share =
-      0.03;  ///< of the error's energy: less is not worth a law (as in diagnosis/remainder/predictability.h)
+  /// Of the error's energy: less is not worth a law (as in diagnosis/remainder/predictability.h).
+  double min_share = 0.03;
   /// Beyond max_p, up to which p-value a share of this may still be a law that the log shows too seldom.
   double doubt_p = 0.2, doubt_share = 0.1;
   int fourier = 12;  ///< random cosines of all states and inputs together
@@ -21,8 +23,8 @@ struct StateRemainderOptions {
 
 /// What functions of states and inputs could predict of what a fit leaves, on pieces of the log left out.
 struct StateRemainder {
-  double share =
-      0;  ///< of the error's energy on groups of pieces left out, with the parameters fitted to the others
+  /// Of the error's energy on groups of pieces left out, with the parameters fitted to the others.
+  double share = 0;
   double energy = 1;  ///< of the error on groups left out with the functions, of the fit's: noise has no more
   /// Of the error's energy on single pieces left out (StateFit::HeldOutEnergy), what the functions predict at least. `share` is more
   /// where one group alone tells of parameters: without it they run away, which functions undo and is no error of the fit.

@@ -8,13 +8,14 @@
 
 namespace hydroscope {
 
+/// Of the first look at an effect. What is lost by it `hydroscope benchmark state-machines` counts.
 struct ScreeningOptions {
   int draws = 24;    ///< of the effect's parameters from their ranges, beside those of the machine file
   int kept = 2;      ///< best of them
   int unranked = 4;  ///< draws of an effect that delays an input, which cannot be ranked
   std::uint32_t seed = 1;
-  double least_seen =
-      12;  ///< energy, in noise variances, that the largest effect in its range must change outputs by
+  /// Energy, in noise variances, that the largest effect in its range must change outputs by.
+  double least_seen = 12;
 };
 
 /// Whether an effect changes the outputs of a log by more than noise, somewhere in its range.

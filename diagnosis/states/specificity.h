@@ -9,6 +9,7 @@
 
 namespace hydroscope {
 
+/// What they let pass of laws that no effect of the file is `hydroscope benchmark state-machines` counts.
 struct SpecificityOptions {
   /// An effect that changes the outputs by more than this many times what is left (rms) is told from functions by its shape
   /// as it is; the tangent of the model without it would not be.

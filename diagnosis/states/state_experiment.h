@@ -10,6 +10,7 @@
 
 namespace hydroscope {
 
+/// Of the search for a record, and when a parameter counts as seen in it; no verdict hangs on them.
 struct StateExperimentOptions {
   int most_rows = 4000;       ///< of a simulated record; more tell more of the same
   int sped_up = 3;            ///< best moves that are tried at other speeds too

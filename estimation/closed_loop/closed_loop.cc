@@ -11,8 +11,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kLeastOfLimit =
-    0.3;  // coherence of set point and output at the bins that a limit is sought in
+// Coherence of set point and output at the bins that a limit is sought in.
+constexpr double kLeastOfLimit = 0.3;
 constexpr double kNormal99 = 2.5758293035489004;
 constexpr std::size_t kFewestOfOctave = 4;
 
@@ -130,15 +130,8 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
 }  // namespace
 
 Status LoopOptions::Validate() const {
-  if (segment_length != 0 && (segment_length < 64 || segment_length % 2 != 0))
-    return UsageError("segment length {} samples: an even number of at least 64 is needed (0 chooses it)",
-                      segment_length);
-  if (!(min_coherence > 0 && min_coherence < 1))
-    return UsageError("minimum coherence {}: a number between 0 and 1 is needed", min_coherence);
-  if (!(lowest >= 0 && highest > lowest))
-    return UsageError("frequencies from {:g} to {:g} Hz: the second must be the larger one, both positive",
-                      lowest, highest);
-  return {};
+  constexpr std::size_t kLeastSegment = 64;
+  return ValidateSpectra(*this, kLeastSegment);
 }
 
 Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const TransferModel& model,

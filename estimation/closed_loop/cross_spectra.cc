@@ -19,8 +19,8 @@ constexpr int kMostLoopBlocks = 32;  // a variance from as many is known to a qu
 constexpr std::size_t kShortestLoopSegment = 64;
 constexpr std::size_t kFirstBin = 2;       // those of mean and trend are left out
 constexpr double kHighestOfNyquist = 0.8;  // beyond, filters of converters act
-constexpr double kLeastOfInput =
-    0.5;  // coherence of set point and input: below, most of the input is not ours
+// Coherence of set point and input: below, most of the input is not ours.
+constexpr double kLeastOfInput = 0.5;
 
 /// Windowed half spectra of one signal after the other.
 class SegmentTransform {

@@ -26,10 +26,10 @@ constexpr std::size_t kPointsOfLoopSearch = 40;  // more do not tell one valley 
 constexpr std::size_t kPolishedStarts = 8;
 constexpr int kPasses = 3;            // noise from the ratio, then twice from the model
 constexpr double kSameValley = 1e-3;  // relative difference of chi^2 of two ends of the search in one valley
-constexpr double kLikelyMisfit =
-    0.999;  // chance of a smaller chi^2 from noise alone, from which intervals are widened
-constexpr double kKnownOneByOne =
-    0.3;  // standard deviation of a parameter's logarithm above which its pole is not told from others
+// Chance of a smaller chi^2 from noise alone, from which intervals are widened.
+constexpr double kLikelyMisfit = 0.999;
+// Standard deviation of a parameter's logarithm above which its pole is not told from others.
+constexpr double kKnownOneByOne = 0.3;
 constexpr double kMeanSquareOfHann = 3.0 / 8;
 constexpr double kSlopeStep = 1e-5;  // of a search coordinate: its slopes are good to 1e-9
 

@@ -18,8 +18,14 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kRelativeFloor = 1e-6;  // of the gain: below it, rounding and not noise sets the error
 constexpr int kMostBlocks = 16;
-constexpr double kRailShare =
-    0.03;  // of the samples on the extreme, beyond what a sine's resolution explains
+// Of the samples on the extreme, beyond what a sine's resolution explains.
+constexpr double kRailShare = 0.03;
+constexpr double kFewestOnRail = 5;         // samples on the extreme: a sine touches its top so often
+constexpr std::size_t kFewestSamples = 20;  // fewer tell no rail from a sine
+constexpr double kTransientShare = 0.4;     // of a hold, left out where nothing is known of the plant yet
+// A block further from the mean of those behind it belongs to the transient.
+constexpr double kTransientStd = 5;
+constexpr double kResponseStd = 4;  // a response is one beyond so many standard deviations of its noise
 
 /// Variance of the ratio (real and imaginary part together) if both residuals are white.
 double WhiteVariance(const HeldSineSums::Fits& pair) {
@@ -32,8 +38,8 @@ double WhiteVariance(const HeldSineSums::Fits& pair) {
 double SettleSamples(const HeldSineSums& sums, const HeldSine& held, const SettleRule& settle) {
   const double hold = static_cast<double>(held.end - held.begin);
   if (settle.fixed >= 0) return settle.fixed;
-  if (settle.time_constant < 0) return std::max(kTwoPi / held.omega, 0.4 * hold);
-  const auto middle = held.begin + static_cast<std::size_t>(0.4 * hold);
+  if (settle.time_constant < 0) return std::max(kTwoPi / held.omega, kTransientShare * hold);
+  const auto middle = held.begin + static_cast<std::size_t>(kTransientShare * hold);
   const HeldSineSums::Fits pair = sums.Fit(middle, held.end);
   const double noise = std::sqrt(pair.output.residual_variance / static_cast<double>(pair.output.samples));
   const double share = std::clamp(0.1 * noise / std::abs(pair.output.fundamental()), 1e-6, 0.07);
@@ -102,7 +108,7 @@ std::size_t TransientBlocks(const std::vector<Complex>& ratios) {
     Complex mean;
     const std::span<const Complex> rest = std::span(ratios).subspan(first + 1);
     const double scatter = std::max(Scatter(rest, mean), std::norm(kRelativeFloor * mean));
-    if (std::norm(ratios[first] - mean) <= 25 * scatter) break;
+    if (std::norm(ratios[first] - mean) <= kTransientStd * kTransientStd * scatter) break;
     ++first;
   }
   return first;
@@ -114,7 +120,7 @@ PointReason Judge(const SignalRun& run, const Window& window, const FrequencyPoi
       LooksClipped(std::span(run.output).subspan(window.begin, samples))) {
     return PointReason::kClipped;
   }
-  if (std::abs(point.response) < 4 * std::sqrt(point.variance)) return PointReason::kNoResponse;
+  if (std::abs(point.response) < kResponseStd * std::sqrt(point.variance)) return PointReason::kNoResponse;
   return PointReason::kUsed;
 }
 
@@ -131,7 +137,7 @@ double InverseTrigamma(double y) {
 }  // namespace
 
 bool LooksClipped(std::span<const double> signal) {
-  if (signal.size() < 20) return false;
+  if (signal.size() < kFewestSamples) return false;
   const Eigen::Map<const Eigen::ArrayXd> values(signal.data(), static_cast<Eigen::Index>(signal.size()));
   const double low = values.minCoeff(), high = values.maxCoeff();
   const double amplitude = (high - low) / 2;
@@ -139,7 +145,7 @@ bool LooksClipped(std::span<const double> signal) {
   const auto at_low = (values == low).count(), at_high = (values == high).count();
   const double at_rail = static_cast<double>(std::max(at_low, at_high));
   const double samples = static_cast<double>(signal.size());
-  if (at_rail <= std::max(kRailShare * samples, 5.0)) return false;
+  if (at_rail <= std::max(kRailShare * samples, kFewestOnRail)) return false;
   double resolution = 2 * amplitude;
   for (std::size_t n = 1; n < signal.size(); ++n) {
     if (signal[n] != signal[n - 1]) resolution = std::min(resolution, std::abs(signal[n] - signal[n - 1]));

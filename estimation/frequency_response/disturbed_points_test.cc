@@ -7,7 +7,7 @@
 #include <array>
 #include <numbers>
 
-#include "estimation/frequency_response/test_signals.h"
+#include "estimation/frequency_response/test_signals_fixture.h"
 
 namespace hydroscope {
 namespace {

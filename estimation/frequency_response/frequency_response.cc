@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t kShortestRecord = 64;
 // When people are told to sweep higher: f0 known worse than this, relative, or -90 degrees extrapolated by more than this factor.
 constexpr double kWeakFrequency = 0.2, kFarExtrapolation = 1.5;
-constexpr double kHeldShare =
-    0.6;  // of the excitation that held sines must cover to be taken for a stepped sine
+// Of the excitation that held sines must cover to be taken for a stepped sine.
+constexpr double kHeldShare = 0.6;
 
 constexpr double kFewestHeld = 0.2;  // below, the few held stretches are accidents of a chirp or of noise
 
@@ -139,6 +139,37 @@ void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
   UnwrapPhases(response.points, response.model ? &*response.model : nullptr);
 }
 
+/// Why not one of the held frequencies could be used.
+std::string NoneUsed(const std::vector<FrequencyPoint>& points) {
+  if (const int clipped = CountReason(points, PointReason::kClipped); clipped > 0)
+    return fmt::format(
+        "command or response is clipped at {} of {} frequencies: lower the amplitude or check the sensor's range",
+        clipped, points.size());
+  if (CountReason(points, PointReason::kNoResponse) > 0)
+    return fmt::format(
+        "the response does not follow the command at any of {} frequencies (it is noise): check that the right column is mapped "
+        "and the valve is enabled",
+        points.size());
+  return fmt::format(
+      "all {} held frequencies are too short: fewer than 2 whole periods are left after the transient; hold each frequency longer",
+      points.size());
+}
+
+void WarnOfLeftOut(FrequencyResponse& response) {
+  static constexpr std::pair<PointReason, const char*> kReasons[] = {
+      {PointReason::kClipped, "command or response is clipped"},
+      {PointReason::kNoResponse, "the response does not stand out of its noise"},
+      {PointReason::kTooShort, "fewer than 2 whole periods after the transient"},
+      {PointReason::kOutsideRange, "outside the range asked for"},
+      {PointReason::kOffTheOthers,
+       "far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
+       "next to it"}};
+  for (const auto& [reason, what] : kReasons)
+    if (const int count = CountReason(response.points, reason); count > 0)
+      response.warnings.push_back(
+          fmt::format("{} of {} frequencies left out: {}", count, response.points.size(), what));
+}
+
 Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Search& search,
                                          const FrequencyResponseOptions& options) {
   if (static_cast<double>(search.covered) <= kFewestHeld * static_cast<double>(search.active)) {
@@ -165,40 +196,8 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   if (auto without = response.model ? FitWithoutOne(response.points, *response.model, record.sample_period)
                                     : std::nullopt)
     TakeModel(std::move(*without), response);
-  const int total = static_cast<int>(response.points.size());
-  const int clipped = CountReason(response.points, PointReason::kClipped);
-  const int silent = CountReason(response.points, PointReason::kNoResponse);
-  const int brief = CountReason(response.points, PointReason::kTooShort);
-  if (CountReason(response.points, PointReason::kUsed) == 0) {
-    if (clipped > 0) {
-      return BadInput(
-          "command or response is clipped at {} of {} frequencies: lower the "
-          "amplitude or check the sensor's range",
-          clipped, total);
-    }
-    if (silent > 0) {
-      return BadInput(
-          "the response does not follow the command at any of {} frequencies (it is noise): check that the "
-          "right column is mapped and the valve is enabled",
-          total);
-    }
-    return BadInput(
-        "all {} held frequencies are too short: fewer than 2 whole periods are left after the transient; "
-        "hold each frequency longer",
-        total);
-  }
-  const auto warn = [&](int count, const char* what) {
-    if (count > 0)
-      response.warnings.push_back(fmt::format("{} of {} frequencies left out: {}", count, total, what));
-  };
-  warn(clipped, "command or response is clipped");
-  warn(silent, "the response does not stand out of its noise");
-  warn(brief, "fewer than 2 whole periods after the transient");
-  warn(CountReason(response.points, PointReason::kOutsideRange), "outside the range asked for");
-  warn(
-      CountReason(response.points, PointReason::kOffTheOthers),
-      "far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
-      "next to it");
+  if (CountReason(response.points, PointReason::kUsed) == 0) return BadInput("{}", NoneUsed(response.points));
+  WarnOfLeftOut(response);
   if (search.unsteady > 0) {
     response.warnings.push_back(fmt::format(
         "{} stretches of the command were left out: frequency or amplitude not steady", search.unsteady));
@@ -381,17 +380,8 @@ const char* PointReasonName(PointReason reason) {
 }
 
 Status FrequencyResponseOptions::Validate() const {
-  if (segment_length != 0 && (segment_length < 32 || segment_length % 2 != 0)) {
-    return UsageError("segment length {} samples: an even number of at least 32 is needed (0 chooses it)",
-                      segment_length);
-  }
-  if (!(min_coherence > 0 && min_coherence < 1)) {
-    return UsageError("minimum coherence {}: a number between 0 and 1 is needed", min_coherence);
-  }
-  if (!(lowest >= 0 && highest > lowest)) {
-    return UsageError("frequencies from {:g} to {:g} Hz: the second must be the larger one, both positive",
-                      lowest, highest);
-  }
+  constexpr std::size_t kLeastSegment = 32;
+  if (const Status valid = ValidateSpectra(*this, kLeastSegment); !valid) return valid;
   if (settle_time < 0) return UsageError("settle time {} s: a positive number is needed", settle_time);
   return {};
 }

@@ -55,8 +55,8 @@ struct FrequencyPoint {
   double amplitude = 0;  ///< input amplitude U0 in input units (Welch: rms in the bin's noise bandwidth)
   double output_amplitude = 0;                                         ///< output units
   double input_distortion = std::numeric_limits<double>::quiet_NaN();  ///< harmonics 2 and 3 over the first
-  double output_distortion =
-      std::numeric_limits<double>::quiet_NaN();                      ///< NaN if above the Nyquist frequency
+  /// NaN if above the Nyquist frequency.
+  double output_distortion = std::numeric_limits<double>::quiet_NaN();
   double distortion_std = std::numeric_limits<double>::quiet_NaN();  ///< of output_distortion
   double begin = 0, end = 0;  ///< s, evaluated part of the log (Welch: the whole log)
   double periods = 0;         ///< evaluated whole periods, or effective number of averages
@@ -114,12 +114,27 @@ struct FrequencyRecord {
   bool shares = false;          ///< of full command and of the stroke: the gain of a valve is about 1
 };
 
+/// Whether segments and frequencies of `options` make sense; a segment has `least_segment` samples or more.
+template <typename Options>
+Status ValidateSpectra(const Options& options, std::size_t least_segment) {
+  if (options.segment_length != 0 &&
+      (options.segment_length < least_segment || options.segment_length % 2 != 0))
+    return UsageError("segment length {} samples: an even number of at least {} is needed (0 chooses it)",
+                      options.segment_length, least_segment);
+  if (!(options.min_coherence > 0 && options.min_coherence < 1))
+    return UsageError("minimum coherence {}: a number between 0 and 1 is needed", options.min_coherence);
+  if (!(options.lowest >= 0 && options.highest > options.lowest))
+    return UsageError("frequencies from {:g} to {:g} Hz: the second must be the larger one, both positive",
+                      options.lowest, options.highest);
+  return {};
+}
+
 struct FrequencyResponseOptions {
   FrequencyResponseMethod method = FrequencyResponseMethod::kAuto;
-  std::size_t segment_length =
-      0;                       ///< samples per Welch segment; 0: largest power of two with 8 in the record
-  double min_coherence = 0.8;  ///< points below take no part in the fit
-  double lowest = 0;           ///< Hz, points below take no part in the fit
+  /// Samples per Welch segment; 0: largest power of two with 8 in the record.
+  std::size_t segment_length = 0;
+  double min_coherence = 0.8;                                ///< points below take no part in the fit
+  double lowest = 0;                                         ///< Hz, points below take no part in the fit
   double highest = std::numeric_limits<double>::infinity();  ///< Hz, nor do points above
   /// s left out at the start of every held frequency; NaN: found from the fitted model and the block scatter
   double settle_time = std::numeric_limits<double>::quiet_NaN();

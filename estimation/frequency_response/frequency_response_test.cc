@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/constants.h"
-#include "estimation/frequency_response/test_signals.h"
+#include "estimation/frequency_response/test_signals_fixture.h"
 #include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {

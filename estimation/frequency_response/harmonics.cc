@@ -14,8 +14,8 @@ using Complex = std::complex<double>;
 
 constexpr int kMostUnknowns = 2 * HarmonicFit::kMostHarmonics + 1;
 constexpr double kRounding = 1e-12;  // of a sine that is 0
-constexpr double kHighest =
-    0.9 * std::numbers::pi;  // rad per sample: a harmonic nearer to half the sampling rate is not fitted
+// rad per sample: a harmonic nearer to half the sampling rate is not fitted.
+constexpr double kHighest = 0.9 * std::numbers::pi;
 constexpr std::size_t kStride = 16;  // samples between two running sums
 
 /// sum_n exp(i m (phase + omega n)), n = 0 ... samples - 1, for m = 0 ... last, in closed form:

@@ -28,8 +28,8 @@ constexpr double kLargestDamping = 5;
 
 constexpr double kManyDegrees = 1e6;    // of freedom, at which Student's t is a normal distribution
 constexpr double kIndependent = 1e-12;  // least eigenvalue of scaled normal equations that points determine
-constexpr double kMisfitBeyondNoise =
-    0.95;  // chance of a smaller chi^2 from noise alone, from which intervals are widened
+// Chance of a smaller chi^2 from noise alone, from which intervals are widened.
+constexpr double kMisfitBeyondNoise = 0.95;
 
 double TFactor(double dof) {
   if (!(dof < kManyDegrees)) return 1;

@@ -22,8 +22,7 @@ namespace hydroscope {
 ///
 /// With a `sample_period` (s) a misfit beyond the noise is tried once more with a command that is held from
 /// sample to sample, as a controller that logs its own output does; it is taken if chi^2 falls below a
-/// quarter
-/// (`command_hold`), and always if the command is `surely_held`. Without it the hold would pass for half a
+/// quarter (`command_hold`), and always if the command is `surely_held`. Without it the hold would pass for half a
 /// sample of dead time and a lower f0.
 ///
 /// With a model `near` of nearly the same points the search starts there and not from the grid.

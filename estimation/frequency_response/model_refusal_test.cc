@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "estimation/frequency_response/test_signals.h"
+#include "estimation/frequency_response/test_signals_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -30,6 +30,9 @@ struct HeldSineOptions {
   double least_block = 9;        ///< samples of a block: a phasor of fewer is noise
   double most_noise = 0.5;       ///< of the rms of a sine, beside which it still counts as one
   double significance = 3;       ///< standard deviations by which phasors may scatter from noise alone
+  double line_samples = 0.3;     ///< that a crossing may lie off the line for its sampling alone
+  double jump_leaves = 0.15;     ///< of the scatter of phasors: more, and no jump explains it
+  double top = 0.98;  ///< quantile of the command's magnitude that is its amplitude: spikes are rarer
   double highest_omega = 0.8 * std::numbers::pi;  ///< rad per sample: beyond, too near half the sampling rate
 };
 constexpr HeldSineOptions kHeldSine{};
@@ -95,7 +98,7 @@ std::vector<HeldFrequency> HeldFrequencies(const std::vector<double>& crossings)
     line.Add(crossings[i + 1]);
     std::size_t j = i + 2;
     for (; j < crossings.size(); ++j) {
-      const double tolerance = kLineTolerance * line.Slope() + 0.3;
+      const double tolerance = kLineTolerance * line.Slope() + kHeldSine.line_samples;
       if (std::abs(crossings[j] - line.Predict()) > tolerance) break;
       line.Add(crossings[j]);
     }
@@ -181,7 +184,7 @@ bool Steady(const Blocks& blocks) {
 std::optional<std::size_t> FindJump(const Blocks& blocks) {
   const std::span<const Complex> all(blocks.phasor);
   const double total = SquaresAboutMean(all);
-  double best = 0.15 * total;
+  double best = kHeldSine.jump_leaves * total;
   std::optional<std::size_t> jump;
   for (std::size_t b = 2; b + 2 < all.size(); ++b) {  // block b itself may hold the jump: left out
     const double rest = SquaresAboutMean(all.first(b)) + SquaresAboutMean(all.subspan(b + 1));
@@ -295,7 +298,7 @@ HeldSines FindInSmooth(std::span<const double> command) {
   std::vector<double> magnitude(command.size());
   std::transform(command.begin(), command.end(), magnitude.begin(),
                  [centre](double u) { return std::abs(u - centre); });
-  const double amplitude = Quantile(magnitude, 0.98, 0);
+  const double amplitude = Quantile(magnitude, kHeldSine.top, 0);
   if (!(amplitude > 0)) return result;
 
   const std::vector<double> crossings = UpwardCrossings(command, centre, amplitude);

@@ -18,8 +18,8 @@ struct LinearFit {
   std::string failed;                   ///< why there is no fit, a sentence; "" = there is one
   std::vector<std::string> parameters;  ///< those kept, of LinearForm::parameters
   Eigen::VectorXd value;                ///< SI
-  Eigen::VectorXd
-      std;  ///< SI, of which 1.96 is the 95 % interval: by leaving out pieces of the record (jackknife, Efron 1982)
+  /// SI, of which 1.96 is the 95 % interval: by leaving out pieces of the record (jackknife, Efron 1982).
+  Eigen::VectorXd std;
   BaseParameterSet base;      ///< columns are LinearForm::parameters
   std::vector<double> noise;  ///< per equation: rms of what is left
   int windows = 0;

@@ -35,8 +35,8 @@ Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
   return eigen.vectors * weights.asDiagonal() * eigen.vectors.transpose();
 }
 
-constexpr double kChance =
-    3;  ///< standard errors of an episode within which what it says beyond the others may be chance
+/// Standard errors of an episode within which what it says beyond the others may be chance.
+constexpr double kChance = 3;
 
 /// Variance of following: a parameter is so far `behind` what an episode alone says of it, whose own variance is `own`.
 double LagVariance(double behind, double own) {

@@ -17,20 +17,20 @@ namespace hydroscope {
 struct EpisodeFollowerOptions {
   double time_constant = 60;  ///< s of excited data over which the past is forgotten, ...
   double least_memory = 5;    ///< ... but no less than so many episodes, ...
-  double still =
-      1.5;  ///< ... less where episodes scatter by more than this many times what their pieces say: they move
-  double covariance =
-      1;  ///< of parameters over their size, before anything is known of them, and the most ever
-  double excited =
-      0.1;  ///< of what an episode adds to a direction where all are alike, over the memory: what it must add
+  /// ... less where episodes scatter by more than this many times what their pieces say: they move.
+  double still = 1.5;
+  /// Of parameters over their size, before anything is known of them, and the most ever.
+  double covariance = 1;
+  /// Of what an episode adds to a direction where all are alike, over the memory: what it must add.
+  double excited = 0.1;
   int linearisations = 3;  ///< of one episode at most
   double close = 0.3;  ///< standard errors that the parameters may lie from where an episode was linearised
   double lost = 2;     ///< rms error over the noise beyond which a young follower is fitted anew
   int young = 10;      ///< episodes
   int refits = 3;      ///< fits from all starts at most, after the first
   double errors_remembered = 20;  ///< episodes from whose errors the intervals are widened
-  double white_episodes =
-      5;  ///< episodes that the pieces of episodes count as beside the episodes themselves
+  /// Episodes that the pieces of episodes count as beside the episodes themselves.
+  double white_episodes = 5;
 };
 
 /// What one episode says of the parameters, linearised about `at`: errors over their noise (LinearisedEpisode). To first order the errors of other parameters p are those at `at` less slopes * (p - at).

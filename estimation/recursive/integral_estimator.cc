@@ -15,10 +15,10 @@ constexpr std::size_t kRecentStrokes = 64;
 constexpr std::size_t kLeastStored = 16;   ///< "last excited at" of a stored state, whatever the parameters
 constexpr std::size_t kMaxWaiting = 1000;  ///< spans kept while the first strokes excite too little to start
 constexpr std::size_t kSettled = 3;  ///< strokes before errors of a span are judged against the noise level
-constexpr double kSignalToNoise =
-    10.0;  ///< energy over the noise's share from which a direction counts as excited
-constexpr double kLeastEnergy =
-    1e-9;  ///< of scaled regressors, per equation: below it a direction is rounding
+/// Energy over the noise's share from which a direction counts as excited.
+constexpr double kSignalToNoise = 10.0;
+/// Of scaled regressors, per equation: below it a direction is rounding.
+constexpr double kLeastEnergy = 1e-9;
 constexpr double kVarianceMemory = 20.0;  ///< strokes over which the noise level is averaged
 
 std::vector<int> FirstColumns(int count) {

@@ -154,10 +154,10 @@ UpdateOutcome RecursiveLeastSquares::UpdateFixed(RecursiveLeastSquares& self, co
   if (std::abs(innovation) < self.options_.dead_zone * self.noise_scale_) return UpdateOutcome::kInDeadZone;
   self.Forget<N>(u);
   std::array<double, N> gain;
-  self.innovation_variance_ = self.MeasurementUpdate<N>(u, gain.data());
+  const double innovation_variance = self.MeasurementUpdate<N>(u, gain.data());
   UpdateOutcome outcome = UpdateOutcome::kUpdated;
   if (self.options_.clip > 0) {
-    const double limit = self.options_.clip * self.noise_scale_ * std::sqrt(self.innovation_variance_);
+    const double limit = self.options_.clip * self.noise_scale_ * std::sqrt(innovation_variance);
     if (std::abs(innovation) > limit) {
       innovation = std::copysign(limit, innovation);
       outcome = UpdateOutcome::kClipped;

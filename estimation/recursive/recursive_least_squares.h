@@ -59,8 +59,7 @@ class RecursiveLeastSquares {
   int parameters() const { return n_; }
   Eigen::VectorXd theta() const;
   Eigen::MatrixXd Covariance() const;
-  double innovation() const { return innovation_; }                    ///< last y - u' theta
-  double innovation_variance() const { return innovation_variance_; }  ///< 1 + u' P u that belongs to it
+  double innovation() const { return innovation_; }  ///< last y - u' theta
   std::int64_t updates() const { return updates_; }
   /// Standard deviation of e relative to the unit the output is scaled by; used by dead zone and clip.
   void set_noise_scale(double scale) { noise_scale_ = scale; }
@@ -92,7 +91,7 @@ class RecursiveLeastSquares {
   UpdateFunction update_;
   std::array<double, kMaxParameters * kMaxParameters> u_{};  ///< U by columns: u_[j * n + i] = U(i, j), i < j
   std::array<double, kMaxParameters> d_{}, theta_{};
-  double noise_scale_ = 1.0, innovation_ = 0.0, innovation_variance_ = 1.0;
+  double noise_scale_ = 1.0, innovation_ = 0.0;
   bool uniform_ = true;
   std::int64_t updates_ = 0;
 };

@@ -17,8 +17,8 @@ struct StateFitOptions {
   int segment_rows = 50;    ///< of the shooting segments that a start is first fitted with
   int first_horizon = 200;  ///< rows that a start is first fitted to where the horizon grows (growing.h)
   double horizon_tolerance = 3e-3;  ///< relative change of the cost at which it grows
-  double at_noise =
-      1.1;  ///< energy of the error over that of white noise at which no further start is tried there
+  /// Energy of the error over that of white noise at which no further start is tried there.
+  double at_noise = 1.1;
   int polished = 2;     ///< minima that are fitted to all rows
   int iterations = 60;  ///< of the last fit
   int start_iterations = 25;

@@ -31,8 +31,8 @@ struct SimulationOptions {
   double tolerance = 1e-5;  ///< of a step's error, over the state's size
   int stiff_steps = 40;  ///< more explicit steps between two rows than these: the implicit method takes over
   int max_steps = 4000;  ///< between two rows; what needs more has diverged
-  int mean_steps =
-      40;  ///< ... on average; what swings some five times faster than rows can show has diverged
+  /// ... on average; what swings some five times faster than rows can show has diverged.
+  int mean_steps = 40;
   int spare_steps = 1000;    ///< beyond that average, for the beginning of a run
   double divergence = 1e15;  ///< SI; a state beyond has diverged
 };
@@ -41,8 +41,8 @@ struct SimulationOptions {
 struct StateRun {
   bool diverged = false;
   int rows = 0;  ///< rows reached
-  RowMatrix
-      outputs;  ///< row x output; where readings are means: those, NaN at the end of a part that began before
+  /// Row x output; where readings are means: those, NaN at the end of a part that began before.
+  RowMatrix outputs;
   RowMatrix states;      ///< row x state
   RowMatrix slopes;      ///< (row, output) x (parameters, initial states, columns of added terms)
   Eigen::VectorXd end;   ///< states at the end
@@ -129,8 +129,8 @@ class StateSimulator {
   RowMatrix gain_;
   RowMatrix limit_slopes_;
   std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
-  std::vector<double>
-      point_registers_;  ///< of the equations' slopes, the stages of an explicit step side by side
+  /// Of the equations' slopes, the stages of an explicit step side by side.
+  std::vector<double> point_registers_;
   TangentEntries entries_, point_entries_;  ///< of the equations' slopes in their registers and in these
   std::vector<std::size_t> rate_places_;    ///< of the equations' values
   std::vector<double> x_, next_, scale_, u0_, u1_, bend0_, bend1_, u_, ended_u_, k_, stage_x_;
@@ -145,8 +145,8 @@ class StateSimulator {
   int first_ = 0;               ///< row of the run
   int added_from_ = 0;          ///< first column of the added terms
   std::vector<double> breaks_;  ///< parts of a row at whose ends a delayed input may jump or bend
-  bool begun_ =
-      false;  ///< the first stage of the step to come is known: it was rejected, or the last stage of the one before
+  /// The first stage of the step to come is known: it was rejected, or the last stage of the one before.
+  bool begun_ = false;
   bool stiff_ = false, with_slopes_ = false;
   bool limited_ = true;  ///< some state has a limit
   double next_share_ = 1, fastest_ = 0;

@@ -25,8 +25,8 @@ HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
 namespace {
 
 constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
-constexpr double kLeastRoot =
-    300.0;  ///< sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least
+/// sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least.
+constexpr double kLeastRoot = 300.0;
 
 /// Whether the open edge leads to the tank; without a reading of the supply pressure (NaN) it is taken to do so.
 bool LeadsToTank(double spool, double supply, bool has_supply) {

@@ -18,13 +18,14 @@ namespace {
 
 /// How a die cushion is asked for strokes, and how it answers.
 struct CushionPractice {
-  double warm_up = 3600;              ///< s of waiting that warming the oil costs
-  double rod_change = 30;             ///< s that another pressure in chamber B costs, each time
-  double step_time = 0.05;            ///< s, time constant of a pressure step
-  double usable_opening = 0.8;        ///< pressures are raised so that less is enough
-  double slowest = 1e-3;              ///< m/s, below which nobody runs a ram, ...
-  double lowest = 5e5;                ///< ... Pa, nor holds a cushion, if the machine file does not say so
-  double shortest = 0.01;             ///< m, of a stroke
+  double warm_up = 3600;        ///< s of waiting that warming the oil costs
+  double rod_change = 30;       ///< s that another pressure in chamber B costs, each time
+  double step_time = 0.05;      ///< s, time constant of a pressure step
+  double usable_opening = 0.8;  ///< pressures are raised so that less is enough
+  double slowest = 1e-3;        ///< m/s, below which nobody runs a ram, ...
+  double lowest = 5e5;          ///< ... Pa, nor holds a cushion, if the machine file does not say so
+  double rare = 0.05;           ///< share of what was recorded, at either end, that is not asked for again
+  double shortest = 0.01;       ///< m, of a stroke
   double rod = 60e5, supply = 210e5;  ///< Pa, of chamber B and supply, where they are not measured
   double oil = 313.15;                ///< K, where it is not measured
 };
@@ -87,10 +88,12 @@ class CushionExperimenter final : public Experimenter {
       const double from = limits.min.value_or(low);
       return Levels{from, std::max(from, limits.max.value_or(high))};
     };
-    speed_ =
-        allowed(kRamSpeed, std::max(kPractice.slowest, Quantile(speeds, 0.05, 0)), Quantile(speeds, 0.95, 0));
-    pressure_ = allowed(kCushionPressure, std::max(kPractice.lowest, Quantile(pressures, 0.05, 0)),
-                        Quantile(pressures, 0.95, 0));
+    const auto as_recorded = [&](CushionSetting setting, double least, const std::vector<double>& values) {
+      return allowed(setting, std::max(least, Quantile(values, kPractice.rare, 0)),
+                     Quantile(values, 1 - kPractice.rare, 0));
+    };
+    speed_ = as_recorded(kRamSpeed, kPractice.slowest, speeds);
+    pressure_ = as_recorded(kCushionPressure, kPractice.lowest, pressures);
     rods_ = allowed(kRodPressure, rod_, rod_);
     warm_up_ = machine.experiment.Of(kSettings[kWarmUp].key).max.value_or(0);
     for (const GateBound& bound : machine.gate.bounds)

@@ -37,7 +37,7 @@ constexpr std::array<MachineInput, 4> kCushionGeometry = {{
      .lowest = 1e-4,
      .highest = 1.0,
      .unit = "cm2",
-     .toleranced = true},
+     .shared_by = "V0 and Q_vn"},
     // Valves state their flow at 1 bar (cartridges) to 350 bar.
     Known("dp_nom", "Pa",
           {"pressure drop at which the valve's nominal flow is stated",

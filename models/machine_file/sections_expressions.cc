@@ -157,7 +157,7 @@ std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& key, co
   std::vector<TermSpec> terms;
   const toml::table* table = section.Table(key);
   if (table == nullptr || table->empty()) {
-    section.Problem(fmt::format("{0} is missing; write e.g. {0} = {{ F_c = \"sign(ddt(x))\" }}", key));
+    section.Problem(fmt::format("{0} is missing; write e.g. {0} = {{ friction = \"sign(ddt(x))\" }}", key));
     return terms;
   }
   TableReader reader(*table, section.path() + "." + key, section.problems());

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "page/access/secrets.h"
 #include "page/api_route.h"
 

@@ -23,6 +23,12 @@ struct HttpRequest {
   Who who;                                     ///< as found out before it is answered
   std::string body;                            ///< or, of an upload, empty ...
   std::string file;                            ///< ... and this file holds it
+
+  /// "" if the query has no such name.
+  std::string Query(const std::string& name) const {
+    const auto found = query.find(name);
+    return found == query.end() ? "" : found->second;
+  }
 };
 
 /// An answer.

@@ -14,8 +14,8 @@ constexpr std::pair<const char*, Action> kActions[] = {{"acknowledge", Action::k
                                                        {"shelve", Action::kShelve},
                                                        {"unshelve", Action::kUnshelve},
                                                        {"comment", Action::kComment}};
-constexpr double kLongestShelf =
-    31 * 86400.0;  ///< s: what is put aside for longer is out of service (`alarms out-of-service`)
+/// s: what is put aside for longer is out of service (`alarms out-of-service`).
+constexpr double kLongestShelf = 31 * 86400.0;
 
 }  // namespace
 

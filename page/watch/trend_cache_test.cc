@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "core/expect_ok.h"
+#include "core/expect_ok_fixture.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {

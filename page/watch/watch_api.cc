@@ -22,11 +22,6 @@ constexpr std::size_t kMostRowsShown = 500;       ///< and told
 constexpr std::size_t kMostSamples = 1500;        ///< of a signal of a stroke
 constexpr double kMargin = 0.2;                   ///< s shown before and behind a stroke
 
-std::string QueryOf(const HttpRequest& request, const char* name) {
-  const auto found = request.query.find(name);
-  return found == request.query.end() ? "" : found->second;
-}
-
 HttpReply UnknownMachine(const std::string& machine) {
   return ErrorReply(
       404, Tell("the database has no machine \"{}\"", "die Datenbank hat keine Maschine „{}“", machine));
@@ -170,8 +165,8 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
   const auto number = WholeNumberOf(request.query, "stroke");
   if (!number) return FailureReply(number.error());
   const auto state = watcher_.state();
-  const auto machine = state->machines.find(QueryOf(request, "machine"));
-  if (machine == state->machines.end()) return UnknownMachine(QueryOf(request, "machine"));
+  const auto machine = state->machines.find(request.Query("machine"));
+  if (machine == state->machines.end()) return UnknownMachine(request.Query("machine"));
   const std::int64_t stroke = number->value_or(machine->second.end - 1), id = machine->second.id;
   const auto database = Database::OpenReadOnly(options_.database);
   if (!database) return FailureReply(database.error());
@@ -196,7 +191,7 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
 
 /// Newest first.
 HttpReply WatchApi::Journal(const HttpRequest& request) {
-  const std::string machine = QueryOf(request, "machine"), alarm = QueryOf(request, "alarm");
+  const std::string machine = request.Query("machine"), alarm = request.Query("alarm");
   const auto journal = AlarmJournal::OpenReadOnly(AlarmJournal::PathFor(options_.database));
   if (!journal)
     return ErrorReply(404, Told("there is no alarm journal beside the database",
@@ -213,8 +208,8 @@ HttpReply WatchApi::Journal(const HttpRequest& request) {
 
 HttpReply WatchApi::ValveChecks(const HttpRequest& request) {
   const auto state = watcher_.state();
-  const auto machine = state->machines.find(QueryOf(request, "machine"));
-  if (machine == state->machines.end()) return UnknownMachine(QueryOf(request, "machine"));
+  const auto machine = state->machines.find(request.Query("machine"));
+  if (machine == state->machines.end()) return UnknownMachine(request.Query("machine"));
   const auto database = Database::OpenReadOnly(options_.database);
   if (!database) return FailureReply(database.error());
   const auto checks = database->ValveChecks(machine->second.id);
@@ -233,7 +228,7 @@ HttpReply WatchApi::AskForValveCheck(const HttpRequest& request) {
 }
 
 HttpReply WatchApi::LastLearned(const HttpRequest& request) {
-  return JsonReply({{"learning", learning_.Last(QueryOf(request, "machine"))}});
+  return JsonReply({{"learning", learning_.Last(request.Query("machine"))}});
 }
 
 HttpReply WatchApi::Learn(const HttpRequest& request) {

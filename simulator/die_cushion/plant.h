@@ -38,9 +38,8 @@ class PressPlant {
   void Reset(double p_A) { p_A_ = p_A, line_flow_ = 0, cavity_ = 0; }
   void Step(const Drive& drive);
 
-  double p_A() const { return p_A_; }              ///< Pa, gauge
-  double line_flow() const { return line_flow_; }  ///< m^3/s, only with line inertance
-  double cavity() const { return cavity_; }        ///< m^3
+  double p_A() const { return p_A_; }        ///< Pa, gauge
+  double cavity() const { return cavity_; }  ///< m^3
   /// Flow out of chamber A through the valve for the given state, m^3/s.
   double ValveFlow(double conductance, double p_A, double p_0) const;
   /// Signed flow per root of pressure, m^3/(s sqrt(Pa)), of an opening.

@@ -40,8 +40,8 @@ struct PressMotion {
   double step_time_min = 0.3, step_time_max = 0.9;     ///< s between steps
   std::vector<double> speeds;  ///< m/s, one stroke after the other, over and over, in place of random ones
   std::vector<double> set_points;  ///< Pa, equal parts of each stroke's time, in place of random steps
-  std::vector<double>
-      rod_pressures;  ///< Pa, of the rod side, in place of p_rod: the next one after each round of `speeds`
+  /// Pa, of the rod side, in place of p_rod: the next one after each round of `speeds`.
+  std::vector<double> rod_pressures;
   double rest_pressure = 25e5;  ///< Pa, while resting and returning
   double wander = 6e5;          ///< Pa, amplitude of the slow variation of the set point
   double dither = 0.010;        ///< 1, random switching added to the spool command

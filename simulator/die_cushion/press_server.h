@@ -107,8 +107,8 @@ class PressServer {
   double clock_jump_ = 0;
   bool muted_ = false, frozen_ = false, quit_ = false;
   Counters counters_;
-  std::optional<std::pair<int, double>>
-      sweep_request_;  // axis from 0, amplitude; guarded by the registers' lock
+  // Axis from 0, amplitude; guarded by the registers' lock.
+  std::optional<std::pair<int, double>> sweep_request_;
   std::unique_ptr<SamplePublisher> publisher_;
   std::unique_ptr<ModbusServer> modbus_;
 };

@@ -48,8 +48,8 @@ const std::vector<PumpFault>& AllPumpFaults() {
 
 PistonRipple::PistonRipple(int pistons, std::uint64_t seed) {
   constexpr double kUnlike = 0.01;  // pistons differ by
-  constexpr double kBackflow =
-      0.02;  // of a piston's volume, at 200 bar: dead volume and stroke over the bulk modulus
+  // Of a piston's volume, at 200 bar: dead volume and stroke over the bulk modulus.
+  constexpr double kBackflow = 0.02;
   constexpr double kOpens = 0.1;  // rad of the shaft over which the flow back rises
   constexpr double kOver = 20;    // times that, when it is over
   constexpr int kAngles = 7200;

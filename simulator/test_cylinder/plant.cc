@@ -8,8 +8,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kStep =
-    25e-6;  // s: a hundredth of the fastest time constant, Coulomb friction's edge included
+// s: a hundredth of the fastest time constant, Coulomb friction's edge included.
+constexpr double kStep = 25e-6;
 constexpr double kCoulombSpeed = 1e-3;  // m/s, within which Coulomb friction turns over
 constexpr double kLeastPressure = 1e5;  // Pa: below, a chamber would cavitate
 

@@ -125,8 +125,8 @@ int RunRowFaults(const LiveFaultOptions& o) {
 }  // namespace
 
 int RunLiveFaults(const LiveFaultOptions& o) {
-  const int rows =
-      o.brief ? 0 : RunRowFaults(o);  // its press has ended before the next one takes the same ports
+  // Its press has ended before the next one takes the same ports.
+  const int rows = o.brief ? 0 : RunRowFaults(o);
   const int seen = RunOperatorFaults(o);
   return std::max(rows, seen);
 }

@@ -7,12 +7,12 @@
 #include <map>
 #include <mutex>
 
+#include "core/constants.h"
 #include "studies/parallel.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kQuantile = 1.96;                     // standard deviations that an interval of 95 % reaches
 constexpr double kLeastHeld = 0.93, kMostHeld = 0.97;  // of all intervals
 
 /// Truth of a column of the linear form.
@@ -75,7 +75,7 @@ bool PrintIdentification(const ManipulatorBenchmarkOptions& options) {
           const double is = TrueColumn(truths, name), error = found.fit.value[at] - is;
           ParameterScore& score = scores[name];
           ++score.cases;
-          score.held += std::abs(error) <= kQuantile * found.fit.std[at];
+          score.held += std::abs(error) <= kNormal95 * found.fit.std[at];
           score.squares += std::pow(error / is, 2);
           score.worst = std::max(score.worst, std::abs(error / is));
         }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "core/constants.h"
 #include "diagnosis/states/missing_sensors.h"
 #include "studies/parallel.h"
 
@@ -101,7 +102,8 @@ PumpCase FitPump(const PumpOptions& options) {
   for (std::size_t p = 0; p < out.error_all.size(); ++p) {
     const auto at = static_cast<Eigen::Index>(p);
     ++out.judged;
-    out.inside += std::abs(out.error_all[p] * truth[at]) < 1.96 * std::sqrt(out.all.fit.covariance(at, at));
+    out.inside +=
+        std::abs(out.error_all[p] * truth[at]) < kNormal95 * std::sqrt(out.all.fit.covariance(at, at));
   }
   if (out.outlet.solved) {
     const Episode episode = PumpEpisode(log, outlet);

@@ -252,11 +252,6 @@ const Effect* ExplainResult::FindEffect(const std::string& id) const {
   return nullptr;
 }
 
-Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
-                                 const ExplainOptions& options) {
-  return ExplainLogs({log}, machine_file, options);
-}
-
 Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const ExplainOptions& options) {
   const auto machine = LoadMachine(machine_file);

@@ -81,13 +81,9 @@ void RefuseVerdict(const Told& why, Explanation& explanation);
 /// Why so few strokes carry no verdict, "" if they do.
 Told TooFewForVerdict(std::size_t strokes);
 
-/// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds
-/// what it misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes
-/// that do not excite the model. ExplainOptions::start is taken from the machine file.
-Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
-                                 const ExplainOptions& options = {});
-
-/// The same for the strokes of several logs of one machine, summed.
+/// Reads the logs of one machine, fits the model of the machine file (base balance and the effects added to it) to their
+/// strokes and finds what it misses. Errors: a log or the machine file is wrong, fewer than kMinExplainStrokes strokes, or
+/// strokes that do not excite the model. ExplainOptions::start is taken from the machine file.
 Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const ExplainOptions& options = {});
 

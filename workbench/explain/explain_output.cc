@@ -27,6 +27,9 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kDrowns = 1.02;      // error over noise floor, below which single equations do not show it
+constexpr double kMovedShown = 0.01;  // of a parameter: less than the per cent that is printed
+
 /// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for.
 std::string Described(const ExplainResult& result, const std::string& id) {
   const Effect* effect = result.FindEffect(id);
@@ -43,8 +46,9 @@ std::string ErrorSentence(const ExplainResult& result) {
       result.base.noise_floor * unit.factor, unit.name);
   if (x.steps.size() > 1)
     text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
-  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * result.base.noise_floor)
-    text += " In single flows it drowns in the noise; summed over the strokes it stands out.";
+  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < kDrowns * result.base.noise_floor)
+    text += fmt::format(" In single values it drowns in the noise; summed over the {} it stands out.",
+                        CountedWordsOf(result.log.machine).many);
   return text + "\n";
 }
 
@@ -226,7 +230,7 @@ std::string ParametersText(const ExplainResult& result) {
     text += fmt::format("  {}", unit.name);
     const auto moved =
         extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
-    if (moved && before.unit != "1" && std::abs(*moved) >= 0.01)
+    if (moved && before.unit != "1" && std::abs(*moved) >= kMovedShown)
       text += fmt::format("  {:+.0f} %", 100 * *moved);
     if (!extended && before.reason != EstimateReason::kUpdated)
       text += fmt::format("  {}", ReasonText(before.reason));

@@ -40,16 +40,16 @@ std::vector<UnitRange> Cut(const StrokeHistory& history) {
 }
 
 /// Effects in the shapes that suit the whole record best, behind the columns of `structure`.
-struct Shapes {
+struct ShapedEffects {
   std::shared_ptr<const ModelStructure> structure;
   std::vector<EffectChoice> choices;
 };
 
-Result<Shapes> ChooseShapes(const Machine& machine, const StrokeHistory& history) {
-  if (machine.added_effects.empty()) return Shapes{history.model, {}};
+Result<ShapedEffects> ChooseShapes(const Machine& machine, const StrokeHistory& history) {
+  if (machine.added_effects.empty()) return ShapedEffects{history.model, {}};
   auto fitted = FitHistoryModel(machine, history);
   if (!fitted) return tl::unexpected(fitted.error());
-  return Shapes{std::move(fitted->structure), std::move(fitted->choices)};
+  return ShapedEffects{std::move(fitted->structure), std::move(fitted->choices)};
 }
 
 double RandomStd(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& gradient, double factor) {

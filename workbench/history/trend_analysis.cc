@@ -15,7 +15,6 @@ constexpr std::size_t kLeastBlocksForOil = 6;
 constexpr double kLeastOilRange = 1.5;  // K
 constexpr double kMostShared = 0.9, kMostCurved = 0.25;
 constexpr std::size_t kFewestEstimates = 6;
-constexpr double kHintAtMost = 0.01;  ///< p of what is no clear change
 constexpr double kManyDegrees = 1e4;  ///< the estimator states its std from many samples
 
 TrendSample ToSample(const TrendPoint& point) {
@@ -107,7 +106,7 @@ void FindCurvature(const Series& series, const std::vector<double>& one, OilDepe
 }
 
 OilOutcome OutcomeOf(const OilDependence& oil) {
-  if (oil.curved_p < 0.01 && oil.curved_share >= kMostCurved) return OilOutcome::kNotInStep;
+  if (oil.curved_p < kClearBelow && oil.curved_share >= kMostCurved) return OilOutcome::kNotInStep;
   switch (SignificanceOf(oil.slope)) {
     case Significance::kClear:
       return OilOutcome::kFollows;
@@ -254,7 +253,7 @@ void HearEstimates(ParameterAnalysis& analysis) {
   if (blocks_tell && (SignificanceOf(analysis.change.change) != Significance::kNone ||
                       SignificanceOf(estimates.change) == Significance::kNone))
     return;
-  if (blocks_tell) estimates.change.p = std::max(estimates.change.p, kHintAtMost);
+  if (blocks_tell) estimates.change.p = std::max(estimates.change.p, kClearBelow);
   analysis.change = std::move(estimates);
   analysis.by_estimates = true;
 }
@@ -267,11 +266,16 @@ void Conclude(ParameterAnalysis& analysis) {
 }
 
 ModelErrorAnalysis AnalyseError(const RecordedHistory& history) {
-  std::vector<double> ratios;
-  for (const StrokeSummary& stroke : history.strokes)
+  std::vector<double> rms, floors, ratios;
+  for (const StrokeSummary& stroke : history.strokes) {
+    rms.push_back(stroke.rms_error);
+    floors.push_back(stroke.noise_floor);
     if (stroke.noise_floor > 0 && std::isfinite(stroke.rms_error))
       ratios.push_back(stroke.rms_error / stroke.noise_floor);
+  }
   ModelErrorAnalysis error;
+  error.median_rms = Median(rms, kNaN);
+  error.median_floor = Median(floors, kNaN);
   error.median_ratio = Median(ratios, kNaN);
   error.ratio = CompareThirds(ratios, {}, 0);
   return error;

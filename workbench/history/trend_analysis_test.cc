@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "cli/trend_summary.h"
 #include "report/report_fixture.h"
 #include "report/report_words.h"
+#include "workbench/history/trend_summary.h"
 
 namespace hydroscope {
 namespace {

@@ -31,8 +31,8 @@ Result<std::map<std::string, MeasuredSize>> MeasuredSizes(const std::vector<std:
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('='), colon = text.find(':');
     if (equals == std::string::npos || colon == std::string::npos || colon < equals)
-      return UsageError("--measured {}: expected EFFECT=SIZE:STANDARD_ERROR, such as pressure_offset=6.5:0.1",
-                        text);
+      return UsageError("--measured {}: expected EFFECT=SIZE:STANDARD_ERROR, such as {}=6.5:0.1", text,
+                        kind.effects(machine).front()->id);
     const std::string id = text.substr(0, equals);
     std::vector<std::string> ids;
     std::optional<EffectUnit> unit;

@@ -114,7 +114,7 @@ std::string EffectsText(const Machine* machine) {
           ? fmt::format("Effects that the model of a {} may be missing\n", KindOfAny(machine).title)
           : fmt::format("Effects that the model of {} may be missing\n", machine->name);
   for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(KindOfAny(machine), effect);
-  return text + "\nAdd one to a machine: hydroscope model add internal_leakage --machine press.toml\n";
+  return text + "\nAdd one to a machine: hydroscope model add EFFECT --machine FILE\n";
 }
 
 nlohmann::json EffectsJson(const Machine* machine) {

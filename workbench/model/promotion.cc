@@ -15,7 +15,7 @@ Status CanBeRecorded(const Machine& machine) {
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   if (InEpisodes(KindOf(machine))) return {};
-  const auto wide = AddedEffectsEstimator::Widen(machine, **model);
+  const auto wide = AddedEffectsEstimator::ModelWithValues(machine, **model);
   return wide ? Status() : tl::unexpected(wide.error());
 }
 

@@ -35,8 +35,8 @@ struct StatesError {
   double rms = 0;          ///< free run, on the rows of the fit
   double rms_holdout = 0;  ///< on pieces of the log left out
   double noise_floor = 0;  ///< what no function of states and inputs could predict
-  double one_step =
-      0;  ///< what is left where past errors may be used: large against noise, small here = the process is noisy
+  /// What is left where past errors may be used: large against noise, small here = the process is noisy.
+  double one_step = 0;
   DisplayUnit unit;
   bool of_variation = false;  ///< several outputs: each over its variation
 
@@ -74,8 +74,8 @@ struct StatesFit {
   std::vector<Estimate> parameters;
   ToldTogether told_together;
   std::vector<double> one_step;  ///< per output, SI
-  std::optional<double>
-      held_out;  ///< shown unit, free run on the log held out; initial states are estimated there
+  /// Shown unit, free run on the log held out; initial states are estimated there.
+  std::optional<double> held_out;
   std::string held_out_log;
   int held_out_episodes = 0;
   std::vector<OutputErrors> located;  ///< of `compare`

@@ -10,11 +10,13 @@
 
 namespace hydroscope {
 
+/// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/initial_values_test.cc and
+/// `hydroscope benchmark state-machines`.
 struct InitialValuesOptions {
   int rows = 4000;      ///< of the fit's own episodes that they are tried on
   int iterations = 10;  ///< of each fit there
-  double less_error =
-      0.8;  ///< rms error over that with the values the model gives, below which they are told of
+  /// Rms error over that with the values the model gives, below which they are told of.
+  double less_error = 0.8;
 };
 
 /// Episodes that seem to begin elsewhere than the model says: a record cut out of one that had begun at rest.

@@ -9,6 +9,8 @@
 
 namespace hydroscope {
 
+/// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/input_hold_test.cc and
+/// `hydroscope benchmark state-machines`.
 struct InputHoldOptions {
   int rows = 4000;          ///< that the other ways are tried on
   int iterations = 10;      ///< of each fit
@@ -18,8 +20,8 @@ struct InputHoldOptions {
 /// Inputs that seem to move between rows in another way than `[log] hold` says.
 struct OtherHold {
   InputHold hold = InputHold::kLinear;
-  double error =
-      1;  ///< rms of what is left with it, over that without; of several outputs the mean of squares
+  /// Rms of what is left with it, over that without; of several outputs the mean of squares.
+  double error = 1;
 };
 
 /// The way that leaves least, if it leaves clearly less than that of the machine file: the fit is repeated with each from where

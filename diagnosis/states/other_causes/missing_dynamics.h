@@ -8,6 +8,8 @@
 
 namespace hydroscope {
 
+/// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/missing_dynamics_test.cc and
+/// `hydroscope benchmark state-machines`.
 struct MissingDynamicsOptions {
   int columns = 240;               ///< at most
   int frequencies = 8;             ///< of the filters, at most ...
@@ -18,8 +20,8 @@ struct MissingDynamicsOptions {
   double min_share = 0.1;          ///< of the error's energy: less is not worth a word
   double beyond_functions = 1.35;  ///< ... and of what functions of the present predict of it
   int feedback_rows = 8;           ///< past of inputs and errors by which feedback is looked for
-  double feedback =
-      0.03;  ///< share of what an input's past does not foresee that past errors do: it is controlled
+  /// Share of what an input's past does not foresee that past errors do: it is controlled.
+  double feedback = 0.03;
   StateRemainderOptions remainder;
 };
 

@@ -9,14 +9,16 @@
 
 namespace hydroscope {
 
+/// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/parameter_drift_test.cc and
+/// `hydroscope benchmark state-machines`.
 struct ParameterDriftOptions {
   std::size_t least_pieces = 8;  ///< of the log
   double least_share = 0.1;      ///< of the error's energy on pieces left out that a drift must take away
   double beyond_functions = 2;   ///< ... and of what functions of states and inputs take away
   double least_t = 3;            ///< ... over its standard error by pieces
   double least_sizes = 5;        ///< standard errors of the drift itself
-  double rival_share =
-      0.9;  ///< of what the best takes away: another parameter that takes as much may drift in its place
+  /// Of what the best takes away: another parameter that takes as much may drift in its place.
+  double rival_share = 0.9;
 };
 
 /// A parameter that moved evenly while the log was recorded.

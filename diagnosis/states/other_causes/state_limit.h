@@ -9,6 +9,8 @@
 
 namespace hydroscope {
 
+/// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/state_limit_test.cc and
+/// `hydroscope benchmark state-machines`.
 struct StateLimitOptions {
   int rows = 4000;            ///< that fits without a limit are tried on
   double least_share = 0.01;  ///< of the rows, at which a state must stand at a limit for it to be tried
@@ -21,8 +23,8 @@ struct DoubtedLimit {
   bool upper = true;  ///< max, else min
   double at = 0;      ///< SI
   double share = 0;   ///< of the rows, at which the state stands there
-  double error =
-      1;  ///< rms of what is left without it, over that with it; of several outputs the mean of squares
+  /// Rms of what is left without it, over that with it; of several outputs the mean of squares.
+  double error = 1;
 };
 
 /// The limit without which least is left, if that is clearly less: the fit is repeated without each limit that states stand at.

@@ -1,4 +1,4 @@
-#include "cli/trend_summary.h"
+#include "workbench/history/trend_summary.h"
 
 #include <algorithm>
 #include <array>
@@ -99,7 +99,7 @@ std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
 }
 
 std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width) {
-  static constexpr std::array<const char*, 8> kBlocks = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  static constexpr std::array<const char*, 8> kBars = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   const std::vector<double> means = PieceMeans(values, width);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const double mean : means) {
@@ -116,7 +116,7 @@ std::string Sparkline(const std::vector<double>& values, const std::vector<doubl
       continue;
     }
     const double share = height > 0 ? (mean - bottom) / height : 0.5;
-    line += kBlocks[static_cast<std::size_t>(std::clamp(share * kBlocks.size(), 0.0, kBlocks.size() - 1.0))];
+    line += kBars[static_cast<std::size_t>(std::clamp(share * kBars.size(), 0.0, kBars.size() - 1.0))];
   }
   return line;
 }

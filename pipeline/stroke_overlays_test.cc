@@ -1,4 +1,4 @@
-#include "report/stroke_overlays.h"
+#include "pipeline/stroke_overlays.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cli/frequency_response/frf_record.h"
+#include "workbench/frequency_response/frf_record.h"
 
 #include <array>
 #include <cmath>

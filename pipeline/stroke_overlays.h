@@ -1,14 +1,29 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "core/units.h"
 #include "pipeline/pipeline.h"
-#include "report/report.h"
 
 namespace hydroscope {
 
-/// Collects measured and modelled flow of strokes while a log passes the pipeline, for the report's overlay.
-/// The modelled flow is that of the model after the stroke (Pipeline::column_weights). Memory is bounded: of
+/// Measured and modelled output of one stroke, for the overlay plot.
+struct StrokeOverlay {
+  std::int64_t sequence = 0;
+  std::vector<double> time;      ///< s
+  std::vector<double> measured;  ///< SI
+  std::vector<double> modelled;  ///< SI
+  std::vector<double> extended;  ///< SI, with the effects that were found; empty without any
+  std::string label;             ///< "median error", "largest error"
+  double noise_floor = 0;        ///< SI, rms that sensor noise alone would cause
+  std::string output = "flow";   ///< what is compared, and the unit people read it in
+  DisplayUnit unit = DisplayUnitFor("m3/s");
+};
+
+/// Collects measured and modelled output of strokes while a log passes the pipeline, for the report's overlay.
+/// The modelled output is that of the model after the stroke (Pipeline::column_weights). Memory is bounded: of
 /// very many strokes every second, fourth, ... is kept, and always the worst.
 class StrokeOverlays {
  public:
@@ -24,7 +39,7 @@ class StrokeOverlays {
 
  private:
   struct Kept {
-    double rms = 0;  ///< m^3/s
+    double rms = 0;  ///< SI
     StrokeOverlay overlay;
   };
 

@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "cli/frequency_response/frf_record.h"
 #include "core/result.h"
 #include "estimation/closed_loop/closed_loop.h"
 #include "models/machine.h"
+#include "workbench/frequency_response/frf_record.h"
 
 namespace hydroscope {
 

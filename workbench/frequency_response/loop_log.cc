@@ -1,4 +1,4 @@
-#include "cli/frequency_response/loop_log.h"
+#include "workbench/frequency_response/loop_log.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "report/stroke_overlays.h"
+#include "pipeline/stroke_overlays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kMaxKept = 512;
+constexpr std::size_t kMostOverlays = 512;
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void StrokeOverlays::Keep(Kept stroke) {
   if (worst_.overlay.time.empty() || stroke.rms > worst_.rms) worst_ = stroke;
   if (stroke.overlay.sequence % stride_ != 0) return;
   kept_.push_back(std::move(stroke));
-  if (kept_.size() <= kMaxKept) return;
+  if (kept_.size() <= kMostOverlays) return;
   stride_ *= 2;
   std::erase_if(kept_, [this](const Kept& k) { return k.overlay.sequence % stride_ != 0; });
 }
