@@ -159,6 +159,7 @@ Status Journal(const AlarmsArguments& a) {
   if (!rows) return tl::unexpected(rows.error());
   if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
     rows->erase(rows->begin(), rows->end() - a.last);
+  if (rows->empty() && a.json != "-") Say("nothing stands in the journal\n");
   Json document = {{"journal", Json::array()}};
   std::map<std::string, CountedWords> counted;
   for (const JournalRow& row : *rows) {

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -46,11 +45,7 @@ int Run(const CheckArguments& arguments) {
     if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
       return ReportError(written.error());
   const bool no_stroke = KindOf(check->machine).build != nullptr && check->driving.strokes == 0;
-  const bool nothing =
-      !check->parameters.empty() &&
-      std::all_of(check->parameters.begin(), check->parameters.end(),
-                  [](const CheckedParameter& p) { return p.verdict == Identifiability::kNot; });
-  return check->Clean() && !no_stroke && !nothing ? kDone : kPartlyDone;
+  return check->Clean() && !no_stroke && !check->NothingIdentified() ? kDone : kPartlyDone;
 }
 
 }  // namespace

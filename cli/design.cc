@@ -79,8 +79,7 @@ Status RunDesign(const DesignArguments& a) {
   const LinearForm form = LinearFormOf(*machine);
   if (form.equations.empty())
     return UsageError(
-        "machine '{}' of model \"{}\" has no equations that are linear in their parameters; 'explain' "
-        "says what to record of it",
+        "machine '{}': no trajectory is designed for machines of model \"{}\"; 'explain' says what to record of one",
         machine->name, KindOf(*machine).id);
   std::vector<TrajectoryLimits> limits;
   for (const std::string& text : a.ranges) {

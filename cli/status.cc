@@ -120,8 +120,11 @@ int RunVerify(const std::string& database, const std::string& json) {
                     {"compared", run.outcome != kNotKept},
                     {"detail", run.detail}});
   }
-  text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
-                      different, static_cast<std::int64_t>(runs->size()) - same - different);
+  if (runs->empty())
+    text = fmt::format("{} holds no run of a service: nothing to compare\n", database);
+  else
+    text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
+                        different, static_cast<std::int64_t>(runs->size()) - same - different);
   if (json != "-") Say(text);
   if (!json.empty())
     if (const Status written = WriteJson(json, {{"runs", list}, {"same", same}, {"different", different}});

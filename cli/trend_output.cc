@@ -30,6 +30,8 @@ std::string ValueText(double value, double half_width) {
 
 /// "" if the last stroke excited it.
 std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
+  if (!s.since && s.latest.reason == EstimateReason::kConfounded)
+    return fmt::format("never told from other parameters by these {}", counted.many);
   if (!s.since) return fmt::format("never excited: these {} have nothing to do with it", counted.many);
   if (*s.since == 0) return "";
   return fmt::format("last excited {} ago, {} of {} told something", counted.Counted(*s.since), s.updated,
@@ -98,13 +100,14 @@ std::string Row(const TrendSummary& s, const TableWidths& widths, const CountedW
 
 std::string Header(const MachineTrends& trends) {
   const TrendPoint &first = trends.first, &last = trends.last;
-  std::string text = fmt::format(
-      "{}: {} in {} run{}, {} {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
-      trends.counted.Counted(trends.runs.back().first_sequence + trends.runs.back().strokes),
-      trends.runs.size(), trends.runs.size() == 1 ? "" : "s", trends.counted.many, first.sequence,
-      last.sequence);
+  std::string text =
+      fmt::format("{}: {} in {} run{}, {} {} to {} shown\n",
+                  trends.machine.empty() ? "machine" : Printable(trends.machine),
+                  trends.counted.Counted(trends.runs.back().first_sequence + trends.runs.back().strokes),
+                  trends.runs.size(), trends.runs.size() == 1 ? "" : "s", trends.counted.many, first.sequence,
+                  last.sequence);
   const RunInfo& run = trends.runs.back();
-  text += fmt::format("last log {}{}, {}", run.source, run.complete ? "" : " (not finished)",
+  text += fmt::format("last log {}{}, {}", Printable(run.source), run.complete ? "" : " (not finished)",
                       CountsFrom1970(first.time)
                           ? fmt::format("{} from {} to {}", trends.counted.many, LocalTimeText(first.time),
                                         LocalTimeText(last.time))

@@ -117,6 +117,21 @@ TEST(Trends, NamesOfEffectsLeaveTheTableEightyWide) {
   for (std::string line; std::getline(lines, line);) EXPECT_LE(ShownWidth(line), kLineWidth) << line;
 }
 
+TEST(Trends, WhyAParameterStoodStillIsToldAsFarAsTheDataSay) {
+  MachineTrends trends;
+  trends.runs.emplace_back();
+  TrendSummary confounded, moved;
+  confounded.parameter = "F_s";
+  confounded.latest.reason = EstimateReason::kConfounded;
+  moved.parameter = "T_c";
+  moved.latest.reason = EstimateReason::kNotExcited;
+  moved.since = 3;
+  trends.summaries = {confounded, moved};
+  const std::string text = TrendText(trends);
+  EXPECT_THAT(text, HasSubstr("F_s: never told from other parameters"));
+  EXPECT_THAT(text, HasSubstr("T_c: these data tell hardly anything about the parameter; last"));
+}
+
 TEST(Trends, CsvHasEveryPointWithEveryDigit) {
   const Folder folder;
   FillPress(folder.File());

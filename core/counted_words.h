@@ -28,6 +28,10 @@ struct CountedWords {
   std::string Counted(Count count) const {
     return hydroscope::Counted(count, one);
   }
+  /// "1 episode", "3 strokes", "3 Hübe".
+  Told CountedTold(std::size_t count) const {
+    return {Counted(count), fmt::format("{} {}", count, count == 1 ? german : german_several)};
+  }
   /// Before a number, and before numbers.
   Told One() const { return {std::string(one), std::string(german)}; }
   Told Many() const { return {std::string(many), std::string(german)}; }

@@ -1,7 +1,6 @@
 #include "core/effect_units.h"
 
 #include <array>
-#include <cmath>
 
 #include "core/constants.h"
 #include "core/units.h"
@@ -18,8 +17,6 @@ EffectUnit EffectUnitFor(std::string_view si) {
   if (si == "Pa2") return {kBar * kBar, "bar^2"};
   if (si == "s2") return {1e6, "ms^2"};
   if (si == "Pa s/m3") return {kBar / kLitresPerMinute, "bar per l/min"};
-  if (si == "m3/(s Pa)") return {kLitresPerMinute / kBar, "l/min per bar"};
-  if (si == "m3/(s sqrt(Pa))") return {kLitresPerMinute / std::sqrt(kBar), "l/min per sqrt(bar)"};
   if (si == "Pa s2/m6") return {kBar / (kLitresPerMinute * kLitresPerMinute), "bar per (l/min)^2"};
   const DisplayUnit shown = DisplayUnitFor(si);
   return {shown.factor, std::string(shown.name)};

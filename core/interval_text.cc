@@ -33,12 +33,19 @@ std::string WithInterval(double value, double half_width) {
     const double scale = std::pow(10.0, exponent);
     return fmt::format("({})e{}", WithInterval(value / scale, half_width / scale), exponent);
   }
-  const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
+  const double leading = std::max(std::abs(half_width), 1e-4 * std::abs(value));
   const int decimals =
       leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
   const std::string half = Fixed(half_width, decimals);
   const bool vanishes = half_width != 0 && half.find_first_of("123456789") == std::string::npos;
   return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? fmt::format("{:.0e}", half_width) : half);
+}
+
+int DigitsFor(double value, double half_width) {
+  constexpr int kFewest = 5, kMost = 9;
+  const double orders = std::log10(std::abs(value) / half_width);
+  return std::isfinite(orders) ? std::clamp(static_cast<int>(std::ceil(orders)) + 2, kFewest, kMost)
+                               : kFewest;
 }
 
 std::string ShownWithInterval(double value, double std, const std::string& si_unit) {

@@ -8,6 +8,9 @@ namespace hydroscope {
 /// exponent: "(4.51 ± 0.03)e-12".
 std::string WithInterval(double value, double half_width);
 
+/// Significant digits for a value and the ends of its interval: as many that two of the half width are among them, 5 to 9.
+int DigitsFor(double value, double half_width);
+
 /// A value with its 95 % interval in the unit people read: "1.210 ± 0.012 GPa", from SI.
 std::string ShownWithInterval(double value, double std, const std::string& si_unit);
 

@@ -17,14 +17,22 @@ TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
 }
 
 TEST(WithInterval, AnIntervalThatIsThereNeverReadsAsZero) {
-  EXPECT_EQ(WithInterval(0.012, 2.7e-7), "0.012000 ± 3e-07");
-  EXPECT_EQ(WithInterval(12202, 0.001), "12202 ± 1e-03");
+  EXPECT_EQ(WithInterval(0.012, 2.7e-7), "0.0120000 ± 0.0000003");
+  EXPECT_EQ(WithInterval(1017, 0.024), "1017.00 ± 0.02");
+  EXPECT_EQ(WithInterval(12202, 0.001), "12202.0 ± 1e-03");
 }
 
 TEST(WithInterval, SmallAndLargeValuesCarryAnExponent) {
   EXPECT_EQ(WithInterval(4.512e-12, 3.1e-14), "(4.512 ± 0.031)e-12");
   EXPECT_EQ(WithInterval(-2e-7, 5e-7), "(-2.0 ± 5.0)e-7");
   EXPECT_EQ(WithInterval(1.21e9, 1.2e7), "(1.210 ± 0.012)e9");
+}
+
+TEST(DigitsFor, TellTheEndsOfANarrowIntervalApart) {
+  EXPECT_EQ(DigitsFor(1017, 0.024), 7);
+  EXPECT_EQ(DigitsFor(1017, 24), 5);
+  EXPECT_EQ(DigitsFor(1017, 1e-9), 9);
+  EXPECT_EQ(DigitsFor(0, 1), 5);
 }
 
 }  // namespace

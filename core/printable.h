@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/text_encoding.h"
+
 namespace hydroscope {
 
 /// Bytes of UTF-8 at the beginning of `text` that turn the direction of writing (U+200E, U+200F, U+202A ... U+202E,
@@ -19,21 +21,26 @@ inline std::size_t DirectionMark(std::string_view text) {
 }
 
 /// Text that came from outside (a wire, a person) as it may stand on a terminal: control characters, those of
-/// ASCII and U+0080 ... U+009F in UTF-8, are written as \xNN, marks of direction as their bytes so, all else stays.
+/// ASCII and U+0080 ... U+009F in UTF-8, are written as \xNN, so are bytes that are no UTF-8 (a terminal of 8 bits takes some
+/// for control characters) and marks of direction; all else stays.
 inline std::string Printable(std::string_view text) {
   std::string out;
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool c1 = byte(i) == 0xc2 && i + 1 < text.size() && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0;
-    if (DirectionMark(text.substr(i)) > 0) {
-      out += fmt::format("\\x{:02x}\\x{:02x}\\x{:02x}", byte(i), byte(i + 1), byte(i + 2));
-      i += 2;
-    } else if (c1)
-      out += fmt::format("\\x{:02x}", byte(++i));
-    else if (byte(i) < 0x20 || byte(i) == 0x7f)
-      out += fmt::format("\\x{:02x}", byte(i));
+  const auto write_out = [&](std::string_view bytes) {
+    for (const char byte : bytes) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+  };
+  while (!text.empty()) {
+    const std::size_t length = std::max<std::size_t>(Utf8CharacterLength(text), 1);
+    const std::string_view character = text.substr(0, length);
+    const auto first = static_cast<unsigned char>(character[0]);
+    const bool c1 = length == 2 && first == 0xc2 && static_cast<unsigned char>(character[1]) < 0xa0;
+    const bool control = first < 0x20 || first == 0x7f, alone = length == 1 && first >= 0x80;
+    if (c1)
+      write_out(character.substr(1));
+    else if (control || alone || DirectionMark(character) > 0)
+      write_out(character);
     else
-      out += text[i];
+      out += character;
+    text.remove_prefix(length);
   }
   return out;
 }

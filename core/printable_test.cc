@@ -13,6 +13,13 @@ TEST(Printable, WritesControlCharactersOut) {
       << "the one-character form of ESC [";
 }
 
+TEST(Printable, WritesOutBytesThatAreNoCharacters) {
+  EXPECT_EQ(Printable("q\x9b"
+                      "2J\xff.csv"),
+            "q\\x9b2J\\xff.csv");
+  EXPECT_EQ(Printable("\xe2\x82"), "\\xe2\\x82") << "half a character";
+}
+
 TEST(Printable, WritesOutWhatTurnsTheDirectionOfWriting) {
   EXPECT_EQ(Printable("p_\u202eA\u2069"), "p_\\xe2\\x80\\xaeA\\xe2\\x81\\xa9");
   EXPECT_EQ(Printable("−8 … 3 ≤ „ü“"), "−8 … 3 ≤ „ü“") << "other characters that begin with the same byte";

@@ -34,8 +34,8 @@ Wording ReasonTold(EstimateReason reason) {
     case EstimateReason::kTooShort:
       return {"too short to learn from", "zu kurz, um daraus zu lernen"};
     case EstimateReason::kNotExcited:
-      return {"nothing moved what the parameter acts on; the value is an older one",
-              "nichts bewegte, worauf der Parameter wirkt; der Wert ist ein älterer"};
+      return {"these data tell hardly anything about the parameter",
+              "diese Daten sagen kaum etwas über den Parameter"};
     case EstimateReason::kConfounded:
       return {"these data cannot tell this parameter from another",
               "diese Daten trennen diesen Parameter nicht von einem anderen"};

@@ -13,11 +13,11 @@ namespace hydroscope {
 
 /// Why a parameter was not (or hardly) updated. "Not identifiable now" is a result, not an error.
 enum class EstimateReason {
-  kUpdated,         ///< the data told something about this parameter
-  kNoStroke,        ///< no gated data since the last estimate
-  kTooShort,        ///< stroke shorter than one span
-  kNotExcited,      ///< the parameter's direction was not excited: value and interval are the older ones
-  kConfounded,      ///< excited, but not separable from the other parameters with these data
+  kUpdated,     ///< the data told something about this parameter
+  kNoStroke,    ///< no gated data since the last estimate
+  kTooShort,    ///< stroke shorter than one span
+  kNotExcited,  ///< alone, these data tell nothing useful about the parameter: its value rests on older ones
+  kConfounded,  ///< excited, but not separable from the other parameters with these data
   kOutsidePhysics,  ///< the estimate has an inadmissible sign or size (negative bulk modulus, ...)
   kPoorSignal,      ///< quality flags left too little of the stroke
 };

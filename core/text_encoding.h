@@ -5,6 +5,9 @@
 
 namespace hydroscope {
 
+/// Bytes of the well-formed UTF-8 character that `text` begins with; 0: it begins with none.
+std::size_t Utf8CharacterLength(std::string_view text);
+
 /// Whether every byte belongs to a well-formed UTF-8 character.
 bool IsUtf8(std::string_view text);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -98,6 +99,7 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
   if (si == "m3") return {1e3, 0, "l"};
   if (si == "m3/s") return {6e4, 0, "l/min"};
   if (si == "m3/(s Pa)") return {6e9, 0, "l/min per bar"};
+  if (si == "m3/(s sqrt(Pa))") return {6e4 * std::sqrt(1e5), 0, "l/min per sqrt(bar)"};
   if (si == "N m") return {1, 0, "Nm"};
   if (si == "N m s") return {1, 0, "Nm s"};
   if (si == "K") return {1, -273.15, "°C"};

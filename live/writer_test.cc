@@ -14,6 +14,7 @@
 #include "host/real_clock.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
+#include "storage/slow_disk.h"
 
 namespace hydroscope {
 namespace {
@@ -59,10 +60,20 @@ class LiveWriterTest : public testing::Test {
                                            LiveWriter::Acknowledged{});
   }
   void TearDown() override {
+    disk_.Release();
     EXPECT_TRUE(writer_->Stop(5));
     std::filesystem::remove_all(folder_);
   }
+  /// As many steps as make a checkpoint due, each stored by itself.
+  void StoreStepsToACheckpoint() {
+    for (std::int64_t step = 1; step <= kStepsToACheckpoint; ++step) {
+      writer_->Push(std::vector<WriteItem>(1));
+      ASSERT_TRUE(Wait(10, [&] { return writer_->status().steps == step; }));
+    }
+  }
 
+  static constexpr std::int64_t kStepsToACheckpoint = 128;
+  storage_test::SlowDisk disk_;  // outlives the writer's connections
   const std::string folder_ = fmt::format("{}writer_{}", testing::TempDir(), getpid());
   const std::string path_ = folder_ + "/press.db";
   std::unique_ptr<LiveWriter> writer_;
@@ -70,11 +81,7 @@ class LiveWriterTest : public testing::Test {
 
 TEST_F(LiveWriterTest, ALockThatACheckpointMeetsIsToldAsSoonAsOneThatAStepMeets) {
   constexpr double kLockSeen = 13;  // s; SQLite waits 10 s
-  constexpr int kStepsToACheckpoint = 128;
-  for (int step = 1; step <= kStepsToACheckpoint; ++step) {
-    writer_->Push(std::vector<WriteItem>(1));
-    ASSERT_TRUE(Wait(10, [&] { return writer_->status().steps == step; }));
-  }
+  StoreStepsToACheckpoint();
   {
     SQLite::Database other(path_, SQLite::OPEN_READWRITE);
     other.exec("BEGIN IMMEDIATE");
@@ -82,6 +89,19 @@ TEST_F(LiveWriterTest, ALockThatACheckpointMeetsIsToldAsSoonAsOneThatAStepMeets)
     EXPECT_EQ(writer_->status().waiting_items, 0);
   }
   EXPECT_TRUE(Wait(5, [&] { return writer_->status().state == WriterState::kWriting; }));
+}
+
+TEST_F(LiveWriterTest, StepsAreStoredWhileACheckpointWaitsForTheDisk) {
+  constexpr std::int64_t kMeanwhile = 300;  // more than would begin another one
+  disk_.Hold();
+  StoreStepsToACheckpoint();
+  ASSERT_TRUE(Wait(10, [&] { return disk_.somebody_waits(); })) << "no checkpoint came";
+  for (std::int64_t step = 1; step <= kMeanwhile; ++step) {
+    writer_->Push(std::vector<WriteItem>(1));
+    ASSERT_TRUE(Wait(10, [&] { return writer_->status().steps == kStepsToACheckpoint + step; }))
+        << "a step waits for the checkpoint";
+  }
+  EXPECT_TRUE(disk_.somebody_waits());
 }
 
 TEST_F(LiveWriterTest, ADamageIsSeenHoweverBusyItWrites) {

@@ -115,6 +115,8 @@ MachinePicture PictureOf(const Machine& machine);
 /// Whether its rows are judged episode by episode, each as a whole: machines with states and plants in closed loop. What an
 /// episode leaves behind is linearised in the parameters (models/episode_structure.h).
 inline bool InEpisodes(const MachineKind& kind) { return kind.has_states || kind.closed_loop != nullptr; }
+/// Whether it has a command and a response alone: nothing is fitted to its strokes, frf measures it.
+inline bool MeasuredByResponse(const MachineKind& kind) { return kind.build == nullptr && !kind.has_states; }
 /// nullptr if the kind has no parameter of that name.
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name);
 /// What strokes of the machine are driven at: conditions of its kind, then those of its file.

@@ -18,6 +18,10 @@ DisplayUnit OutputUnit(const Machine& machine) {
   return unit;
 }
 
+DisplayUnit UnitOfErrors(const Machine& machine) {
+  return machine.states.outputs.size() > 1 ? kOfVariation : OutputUnit(machine);
+}
+
 namespace {
 
 /// As the machine file states it; "" where it states none.

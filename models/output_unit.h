@@ -13,6 +13,9 @@ namespace hydroscope {
 DisplayUnit OutputUnit(const ModelStructure* model);
 /// The same of the model that a machine file describes.
 DisplayUnit OutputUnit(const Machine& machine);
+/// That of a machine's errors in texts: several outputs err by a share of their variation.
+DisplayUnit UnitOfErrors(const Machine& machine);
+inline constexpr DisplayUnit kOfVariation = {100, 0, "% of the outputs' variation"};
 /// The unit in which people read a signal or a state: the one that its file states, where that is no plain SI unit (rpm, kW, %),
 /// else the usual one. The machine must outlive its name.
 DisplayUnit ShownUnit(const Machine& machine, std::string_view name);

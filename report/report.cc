@@ -167,7 +167,7 @@ std::string Tiles(const Report& report) {
   if (std::isfinite(analysis.coldest))
     oil = FormatFixed(analysis.coldest - kZeroCelsius, 1) + " … " +
           FormatFixed(analysis.warmest - kZeroCelsius, 1) + " °C";
-  const DisplayUnit unit = OutputUnit(report.input.machine);
+  const DisplayUnit unit = UnitOfErrors(report.input.machine);
   const auto shown = [&](double si) { return FormatShort(si * unit.factor) + " " + std::string(unit.name); };
   if (errors.rms > 0) error = shown(errors.rms);
   std::string out = "<div class=\"tiles\">";

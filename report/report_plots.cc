@@ -212,7 +212,7 @@ std::string ErrorPlot(const ReportInput& input) {
   const CountedWords counted = CountedWordsOf(input.machine);
   options.title = fmt::format("model error of every {}", counted.one);
   options.x_label = NumberOf(counted);
-  const DisplayUnit unit = OutputUnit(input.machine);
+  const DisplayUnit unit = UnitOfErrors(input.machine);
   options.y_label = fmt::format("{} error, rms ({})", WordsOf(input.machine).output.english, unit.name);
   options.whole_x = true;
   std::vector<double> error, floor;

@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/counted_words.h"
+#include "core/interval_text.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -100,11 +101,13 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = ParameterUnit(KindOf(outcome.machine), e.parameter, e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
-    text += fmt::format("{:<8} {:>12.5g} {:>12.5g} ... {:<9.5g}  {:<6}{}\n", e.parameter, shown(e.value),
-                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
+    const int digits = DigitsFor(e.value, kNormal95 * e.std);
+    text += fmt::format("{:<8} {:>12.{}g} {:>12.{}g} ... {:<9.{}g}  {:<6}{}\n", e.parameter, shown(e.value),
+                        digits, shown(e.value - kNormal95 * e.std), digits,
+                        shown(e.value + kNormal95 * e.std), digits, unit.name,
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
-  const DisplayUnit unit = OutputUnit(outcome.machine);
+  const DisplayUnit unit = UnitOfErrors(outcome.machine);
   if (outcome.figures.clusters.unit != ClusterUnit::kStroke)
     text += fmt::format("{} of the last run hang together: intervals are at least those of groups of them\n",
                         counted.many);
@@ -129,8 +132,9 @@ std::string SkippedTable(const ReplayOutcome& outcome) {
 }
 
 std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
-  std::string text = fmt::format("\ndatabase: {} ({} {} of \"{}\")\n", options.database, outcome.strokes,
-                                 CountedWordsOf(outcome.machine).many, outcome.machine.name);
+  std::string text =
+      fmt::format("\ndatabase: {} ({} of \"{}\")\n", options.database,
+                  CountedWordsOf(outcome.machine).Counted(outcome.strokes), outcome.machine.name);
   if (!outcome.report.empty())
     return text +
            fmt::format("report:   {}\nnext:     open {} in a browser\n", outcome.report, outcome.report);

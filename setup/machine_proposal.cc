@@ -121,8 +121,14 @@ class Proposer {
       return Take(*kind, kind->own_library ? Tell("{}; {}", "{}; {}", why, Missing(sample)) : why);
     }
   }
+  /// In a machine of the user's own a column has a role only if its name tells one: what it looks like says what it would be
+  /// in the machines that are known.
   void Take(const MachineKind& kind, const Told& why) {
     machine().model = kind.id;
+    if (kind.own_library)
+      std::erase_if(roles_, [this](const ColumnRole& role) {
+        return role.role != Role::kTime && !role.sure && !RoleByName(head_.columns[role.column].name);
+      });
     result_.decided.push_back(Tell("model {}: {}", "Modell {}: {}", std::string(kind.id), why));
   }
   Told ByNames(const MachineKind& kind) const {

@@ -52,7 +52,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"core", "models", "acquisition", "estimation", "storage", "alarms", "host", "pipeline", "monitor"}},
     {"studies",
      {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
-      "host", "pipeline", "workbench", "report", "review", "live"}},
+      "host", "pipeline", "workbench", "monitor", "report", "review", "live"}},
     {"cli",
      {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
       "host", "pipeline", "setup", "workbench", "monitor", "report", "review", "page", "live", "studies"}},

@@ -71,5 +71,66 @@ TEST_F(Motor, CompareSpeaksOfTorqueAndOfNoFreeRunInBar) {
   EXPECT_THAT(ran.out, Not(HasSubstr("free run")));
 }
 
+TEST_F(Motor, AParameterMayBeInUnitsOfTorqueAndOneThatIsNoSiUnitIsNamed) {
+  const std::string text = kMotor, term = "c = \"-n\"";
+  const auto with = [&](const std::string& unit) {
+    std::string changed = text;
+    changed.replace(changed.find(term), term.size(), "c = { expression = \"-n\", unit = \"" + unit + "\" }");
+    WriteText(File("unit.toml"), changed);
+    return Run({"fit", File("motor.csv"), "--machine", File("unit.toml")});
+  };
+  const Ran torque = with("Nm s");
+  EXPECT_EQ(torque.exit_code, 0) << torque.err;
+  EXPECT_THAT(torque.out, HasSubstr(" Nm s"));
+  EXPECT_THAT(with("kW").err, HasSubstr("the SI unit \"W\""));
+}
+
+TEST_F(Motor, AFileProposedForItKeepsTheNamesOfItsColumns) {
+  const Ran init = Run({"init", File("motor.csv"), "--out", File("proposed.toml"), "--json", "-"});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  const auto proposed = init.Json();
+  std::vector<std::string> signals;
+  for (const auto& column : proposed.at("columns")) signals.push_back(column.at("signal"));
+  EXPECT_THAT(signals, testing::UnorderedElementsAre("time", "n", "dp", "M", "P"));
+}
+
+TEST_F(Motor, CommandsNameWhatItHasAndWhatTheyAreFor) {
+  WriteText(File("windage.toml"),
+            std::string(kMotor) + "[[effect]]\nid = \"windage\"\nterms = { k = \"-n*abs(n)\" }\n");
+  const std::vector<std::string> machine = {"--machine", File("windage.toml")};
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.end(), machine.begin(), machine.end());
+    return Run(words);
+  };
+  EXPECT_THAT(run({"model", "effects"}).out, HasSubstr("hydroscope model add windage --machine FILE"));
+  const Ran show = run({"model", "show"});
+  EXPECT_THAT(show.out, HasSubstr("hydroscope fit LOG"));
+  EXPECT_THAT(show.out, Not(HasSubstr("Known\n")));
+  EXPECT_THAT(run({"frf", File("motor.csv")}).err, HasSubstr("frf measures a valve"));
+  EXPECT_THAT(run({"design", "--range", "n=0:1"}).err,
+              HasSubstr("no trajectory is designed for machines of"));
+}
+
+TEST_F(Motor, NoFitIsAdvisedOfALogThatTellsNothing) {
+  std::ifstream log(File("motor.csv"));
+  std::ofstream few(File("few.csv"));
+  std::string line;
+  for (int row = 0; row < 200 && std::getline(log, line); ++row) few << line << "\n";
+  few.close();
+  const Ran check = Run({"check", File("few.csv"), "--machine", File("motor.toml")});
+  EXPECT_EQ(check.exit_code, 4) << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("next: hydroscope fit")));
+}
+
+TEST_F(Motor, WhatADatabaseDoesNotHoldIsSaid) {
+  ASSERT_EQ(Run({"replay", File("motor.csv"), "-m", File("motor.toml"), "--db", File("motor.db")}).exit_code,
+            0);
+  const Ran verified = Run({"verify-live", "--db", File("motor.db")});
+  EXPECT_EQ(verified.exit_code, 4);
+  EXPECT_THAT(verified.out, HasSubstr("no run of a service"));
+  EXPECT_THAT(Run({"alarms", "--db", File("motor.db"), "journal"}).out,
+              HasSubstr("nothing stands in the journal"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -73,6 +73,31 @@ TEST_F(PrintedTables, AnOldLoggersHeaderIsReadAndLongNamesBreakNoRow) {
   EXPECT_LE(LongestLine(check.out), kLineWidth);
 }
 
+TEST_F(PrintedTables, EpisodesAndTheErrorsOfSeveralOutputsAreCalledSoOfLogsAndDatabase) {
+  const std::string machine = std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/flexible_axis.toml";
+  columns_ = "1000";
+  ASSERT_EQ(Run({"simulate", "flexible-axis", "--out", File("axis.csv")}).exit_code, 0);
+  const Ran replay = Run({"replay", File("axis.csv"), "-m", machine, "--db", File("axis.db")});
+  EXPECT_THAT(replay.out,
+              AllOf(HasSubstr("% of the outputs' variation"), HasSubstr("(1 episode of \"flexible_axis\")")));
+  for (const char* command : {"explain", "compare"}) {
+    const std::string said = Run({command, "--db", File("axis.db")}).err;
+    EXPECT_THAT(said, AllOf(HasSubstr("1 episode in the chosen part"), Not(HasSubstr("stroke")))) << command;
+  }
+  EXPECT_THAT(Run({"learn", "--db", File("axis.db"), "-m", machine}).err,
+              HasSubstr("commissioning has 1 episode, expected"));
+}
+
+TEST_F(PrintedTables, TheEdgesOfAValveAreInOneUnitEverywhere) {
+  const std::string machine = std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/manipulator.toml";
+  columns_ = "1000";
+  ASSERT_EQ(Run({"simulate", "manipulator", "--out", File("arm.csv"), "--seconds", "20"}).exit_code, 0);
+  const Ran replay = Run({"replay", File("arm.csv"), "-m", machine, "--db", File("arm.db")});
+  EXPECT_THAT(replay.out, AllOf(HasSubstr("l/min per sqrt(bar)"), Not(HasSubstr("m3/(s sqrt(Pa))"))));
+  const Ran trends = Run({"trends", "--db", File("arm.db")});
+  EXPECT_THAT(trends.out, AllOf(HasSubstr("l/min per sqrt(bar)"), Not(HasSubstr("m3/(s sqrt(Pa))"))));
+}
+
 TEST_F(PrintedTables, RowsOfAFrequencyResponseFitALine) {
   ASSERT_EQ(Run({"simulate", "valve", "--out", File("sweep.csv")}).exit_code, 0);
   const Ran frf =

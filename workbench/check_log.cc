@@ -130,6 +130,12 @@ bool CheckResult::Clean() const {
   return pass.summary.rejected_rows == 0 && pass.summary.stopped.empty() && pass.summary.FlaggedValues() == 0;
 }
 
+bool CheckResult::NothingIdentified() const {
+  return !parameters.empty() &&
+         std::all_of(parameters.begin(), parameters.end(),
+                     [](const CheckedParameter& p) { return p.verdict == Identifiability::kNot; });
+}
+
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
   auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());

@@ -67,6 +67,8 @@ struct CheckResult {
 
   /// No row or value had to be left out because of its quality.
   bool Clean() const;
+  /// It has parameters, and none of them can be identified.
+  bool NothingIdentified() const;
 };
 
 /// Looks at a log without changing anything. Errors: machine file or log cannot be used at all.

@@ -155,7 +155,7 @@ Told ImpossibleOf(const CheckResult& check) {
 std::string Identification(const CheckResult& check) {
   if (KindOf(check.machine).has_states && check.parameters.empty())
     return fmt::format("\nno fit: {}\n", check.no_fit);
-  if (KindOf(check.machine).build == nullptr && !KindOf(check.machine).has_states)
+  if (MeasuredByResponse(KindOf(check.machine)))
     return fmt::format("\n{}: command and response only; measure it with 'hydroscope frf'\n",
                        KindOf(check.machine).title);
   std::string text = "\nwhat this log can tell";
@@ -185,14 +185,11 @@ std::string Identification(const CheckResult& check) {
     if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice.english);
   }
   if (check.figures.noise_floor > 0) {
-    const DisplayUnit unit = OutputUnit(check.machine);
-    const bool shares = check.machine.states.outputs.size() > 1;
-    const double factor = shares ? 100 : unit.factor;
-    const std::string_view name = shares ? "% of the outputs' variation" : unit.name;
+    const DisplayUnit unit = UnitOfErrors(check.machine);
     text += fmt::format("  model error on {} left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
-                        CountedWordsOf(check.machine).many, check.figures.rms_holdout * factor, name,
-                        check.noise_at_most ? "at most" : "alone would cause",
-                        check.figures.noise_floor * factor, name);
+                        CountedWordsOf(check.machine).many, check.figures.rms_holdout * unit.factor,
+                        unit.name, check.noise_at_most ? "at most" : "alone would cause",
+                        check.figures.noise_floor * unit.factor, unit.name);
     if (const Told impossible = ImpossibleOf(check); !impossible.empty())
       text += fmt::format("  {}\n", impossible.english);
   }
@@ -207,10 +204,11 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   for (const std::string& hint : InEnglish(check.hints)) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
   const MachineKind& kind = KindOf(check.machine);
-  const char* next = kind.build == nullptr && !kind.has_states ? "frf"
-                     : check.suspicion.ExplainSaysMore()       ? "explain"
-                     : check.driving.strokes > 0               ? "fit"
-                                                               : nullptr;
+  const bool fits = check.driving.strokes > 0 && !check.NothingIdentified();
+  const char* next = MeasuredByResponse(kind)            ? "frf"
+                     : check.suspicion.ExplainSaysMore() ? "explain"
+                     : fits                              ? "fit"
+                                                         : nullptr;
   if (next != nullptr)
     text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, check.log, machine_file);
   return text;

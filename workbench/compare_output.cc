@@ -166,9 +166,11 @@ std::string CorrelationsText(const CompareResult& result) {
 
 ModelHeadline HeadlineOfComparison(const CompareResult& result) {
   const ErrorFinding found = result.Found();
-  const Told no_verdict =
-      result.verdict || found != ErrorFinding::kNoise ? result.no_verdict : TooFewForVerdict(result.strokes);
-  return HeadlineOf(result.model.figures, found, no_verdict, CountedWordsOf(result.log.machine));
+  const CountedWords counted = CountedWordsOf(result.log.machine);
+  const Told no_verdict = result.verdict || found != ErrorFinding::kNoise
+                              ? result.no_verdict
+                              : TooFewForVerdict(result.strokes, counted);
+  return HeadlineOf(result.model.figures, found, no_verdict, counted);
 }
 
 std::vector<std::string> Warnings(const CompareResult& result) {

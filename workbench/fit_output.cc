@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/counted_words.h"
+#include "core/interval_text.h"
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "models/effect.h"
@@ -41,14 +42,6 @@ std::vector<std::string> Warnings(const FitResult& result) {
   return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
 }
 
-/// As many that two of the interval's half width are among them.
-int DigitsShown(const Estimate& e) {
-  constexpr int kFewest = 5, kMost = 9;
-  const double orders = std::log10(std::abs(e.value) / (kNormal95 * e.std));
-  return std::isfinite(orders) ? std::clamp(static_cast<int>(std::ceil(orders)) + 2, kFewest, kMost)
-                               : kFewest;
-}
-
 }  // namespace
 
 std::string FitText(const FitResult& result) {
@@ -66,7 +59,7 @@ std::string FitText(const FitResult& result) {
   for (const Estimate& e : result.fit.parameters) {
     const DisplayUnit unit = ParameterUnit(KindOf(machine), e.parameter, e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
-    const int digits = DigitsShown(e);
+    const int digits = DigitsFor(e.value, kNormal95 * e.std);
     const bool trusted = e.reason == EstimateReason::kUpdated;
     text += fmt::format("{:<{}} {:>11.{}g} {:>11.{}g} ... {:<10.{}g} {:<{}} {}{}\n", e.parameter, width,
                         shown(e.value), digits, shown(e.value - kNormal95 * e.std), digits,

@@ -39,7 +39,7 @@ Told PartText(const FindingPart& part) {
 }  // namespace
 
 CountedIn CountedInOf(const MachineKind& kind) {
-  if (kind.has_states) return {Tell("episode", "Episode"), Tell("episodes", "Episoden")};
+  if (InEpisodes(kind)) return {Tell("episode", "Episode"), Tell("episodes", "Episoden")};
   return {};
 }
 

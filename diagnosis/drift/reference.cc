@@ -9,6 +9,7 @@
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
 #include "estimation/decompositions.h"
+#include "models/counted_words.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -22,9 +23,9 @@ constexpr int kPasses = 8;  ///< of taking class means out
 Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
                                    int version) {
   if (static_cast<int>(strokes.size()) < kDriftThresholds.least_strokes)
-    return BadInput(Tell("commissioning has {} strokes, expected at least {}",
-                         "die Inbetriebnahme hat {} Hübe, erwartet mindestens {}", strokes.size(),
-                         kDriftThresholds.least_strokes));
+    return BadInput(Tell(
+        "commissioning has {}, expected at least {}", "die Inbetriebnahme hat {}, erwartet mindestens {}",
+        CountedWordsOf(model.kind()).CountedTold(strokes.size()), kDriftThresholds.least_strokes));
   Reference reference;
   reference.version_ = version;
   reference.first_ = strokes.front().sequence;

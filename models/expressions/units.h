@@ -21,7 +21,7 @@ struct Dimension {
   bool pure() const { return *this == Dimension{}; }
 };
 
-/// Reads an SI unit: factors Pa N J W V A K Hz kg m s rad 1, each with an optional exponent ("m3", "s-1"),
+/// Reads an SI unit: factors Pa N Nm J W V A K Hz kg m s rad 1, each with an optional exponent ("m3", "s-1"),
 /// separated by spaces, * or /, brackets, sqrt(...): "m3/(s Pa)". nullopt for anything else.
 std::optional<Dimension> ParseSiUnit(std::string_view text);
 /// The name people use ("m3/(s Pa)") or base units ("kg m2/s3").

@@ -31,7 +31,9 @@ std::string SpeltAsSi(const std::string& unit) {
 void ReadUnit(TableReader& section, std::string& unit) {
   section.Text("unit", unit);
   unit = SpeltAsSi(unit);
-  if (!unit.empty() && !ParseSiUnit(unit))
+  if (const auto known = FindFileUnit(unit); known && (known->scale != 1.0 || known->offset != 0.0))
+    section.Wrong("unit", fmt::format("the SI unit \"{}\": balances are computed in SI", known->si));
+  else if (!unit.empty() && !ParseSiUnit(unit))
     section.Wrong("unit", "an SI unit, e.g. \"m2\", \"N s/m\" or \"m3/(s Pa)\": balances are computed in SI");
 }
 

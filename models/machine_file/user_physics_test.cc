@@ -49,7 +49,8 @@ TEST(UserPhysicsFile, DerivesAndChecksTheUnitOfAParameter) {
   EXPECT_EQ(derived[1].unit, "N");
   EXPECT_THAT(RefusalOfSeal(Balance("A = { expression = \"p\", unit = \"m3\" }")),
               AllOf(StartsWith("seal.toml:7: [balance]"), HasSubstr("A in \"m2\"")));
-  EXPECT_THAT(RefusalOfSeal(Balance("A = { expression = \"p\", unit = \"mm2\" }")), HasSubstr("an SI unit"));
+  EXPECT_THAT(RefusalOfSeal(Balance("A = { expression = \"p\", unit = \"mm2\" }")),
+              HasSubstr("the SI unit \"m2\""));
   EXPECT_THAT(RefusalOfSeal(kSignals + "[balance]\noutput = \"F\"\nunit = \"Pa\"\nterms = { c = \"1\" }\n"),
               AllOf(StartsWith("seal.toml:7:"), HasSubstr("the SI unit of F")));
 }

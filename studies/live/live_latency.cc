@@ -5,9 +5,11 @@
 #include <iostream>
 
 #include "host/output.h"
+#include "host/real_clock.h"
 #include "live/live_status.h"
 #include "models/live_spec.h"
 #include "models/machine.h"
+#include "monitor/press_monitor.h"
 #include "storage/database.h"
 #include "studies/fault_table.h"
 #include "studies/live/live_benchmarks.h"
@@ -31,7 +33,7 @@ void Print(const char* what, const std::string& value, const std::string& requir
 /// s, p99 of stroke sent to estimate stored.
 double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100; }
 
-/// The past of a press that has worked for long.
+/// The past of a press that has worked for long, judged by its drift watch.
 Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
   const auto machine = LoadMachine(rig.File("service.toml"));
   if (!machine) return tl::unexpected(machine.error());
@@ -53,7 +55,9 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
         });
     if (!stored) return stored;
   }
-  return {};
+  const auto watch =
+      PressMonitor::Create(rig.File("service.toml"), machine->name, MachinesOfAxes(*machine), rig.database());
+  return watch ? (*watch)->CatchUp(WallSeconds()) : tl::unexpected(watch.error());
 }
 
 }  // namespace
@@ -99,8 +103,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
-  // What the share is required of; a history that was not watched before is judged meanwhile.
-  const bool four = o.axes <= 4 && o.rate <= 1000 && o.history == 0;
+  const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
   fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service at niceness {}\n", o.axes,
              o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);

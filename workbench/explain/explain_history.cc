@@ -11,6 +11,7 @@
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
 #include "estimation/floor_trust.h"
+#include "models/counted_words.h"
 #include "models/find_effect.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
@@ -93,13 +94,13 @@ bool IsDownToNoise(double ratio) { return ratio * ratio <= 1 + kFloorExcess; }
 Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& asked) {
   ExplainOptions options = asked;
   AddUntestable(history, options.untestable);
+  const CountedWords counted = CountedWordsOf(history.machine);
   if (history.units.size() < kMinExplainStrokes)
     return BadInput(Tell(
-        "{}: {} strokes in the chosen part of the history, expected at least {}: "
-        "the error is judged on strokes left out",
-        "{}: {} Hübe im gewählten Teil der Geschichte, erwartet mindestens {}: der Fehler wird an ausgelassenen Hüben "
-        "beurteilt",
-        history.database, history.units.size(), kMinExplainStrokes));
+        "{}: {} in the chosen part of the history, expected at least {}: the error is judged on {} left out",
+        "{}: {} im gewählten Teil der Geschichte, erwartet mindestens {}: der Fehler wird an ausgelassenen {} beurteilt",
+        history.database, counted.CountedTold(history.units.size()), kMinExplainStrokes,
+        counted.SeveralDative()));
   for (const std::string& id : options.start)
     if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());
   ExplainResult out;

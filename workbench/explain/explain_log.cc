@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/counted_words.h"
 #include "core/told_error.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
 
@@ -126,16 +126,14 @@ void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
 
 }  // namespace
 
-Told TooFewForVerdict(std::size_t strokes) {
+Told TooFewForVerdict(std::size_t strokes, const CountedWords& counted) {
   if (strokes >= kMinExplainStrokes) return {};
-  const Told counted{Counted(strokes, "stroke"),
-                     fmt::format("{} {}", strokes, strokes == 1 ? "Hub" : "Hübe")};
   return Tell(
-      "{} inside the gate, expected at least {}: the error is judged on strokes left out. Record longer, or see "
+      "{} inside the gate, expected at least {}: the error is judged on {} left out. Record longer, or see "
       "what the gate lets through with 'hydroscope check'",
-      "{} im Gate, mindestens {} erwartet: der Fehler wird an ausgelassenen Hüben beurteilt. Länger aufzeichnen; "
+      "{} im Gate, mindestens {} erwartet: der Fehler wird an ausgelassenen {} beurteilt. Länger aufzeichnen; "
       "was das Gate durchlässt, zeigt 'hydroscope check'",
-      counted, kMinExplainStrokes);
+      counted.CountedTold(strokes), kMinExplainStrokes, counted.SeveralDative());
 }
 
 void RefuseVerdict(const Told& why, Explanation& x) {
@@ -218,7 +216,8 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   ExplainResult out;
   out.log = std::move(strokes);
   out.strokes = out.log.stretches.size();
-  if (const Told few = TooFewForVerdict(out.strokes); !few.empty()) return BadInput(few);
+  if (const Told few = TooFewForVerdict(out.strokes, CountedWordsOf(out.log.machine)); !few.empty())
+    return BadInput(few);
   std::shared_ptr<const ModelStructure> model = out.log.model;
   if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);

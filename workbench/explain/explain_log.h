@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/counted_words.h"
 #include "diagnosis/experiment/experiment.h"
 #include "diagnosis/experiment/signal_experiment.h"
 #include "diagnosis/explain.h"
@@ -79,7 +80,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
 void RefuseVerdict(const Told& why, Explanation& explanation);
 
 /// Why so few strokes carry no verdict, "" if they do.
-Told TooFewForVerdict(std::size_t strokes);
+Told TooFewForVerdict(std::size_t strokes, const CountedWords& counted);
 
 /// Reads the logs of one machine, fits the model of the machine file (base balance and the effects added to it) to their
 /// strokes and finds what it misses. Errors: a log or the machine file is wrong, fewer than kMinExplainStrokes strokes, or

@@ -95,13 +95,13 @@ Status CheckValveSignals(const Machine& machine) {
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) < 0) {
       return BadInput(
-          "machine file {}: [valve] names the signal {}, but [signals] has none of "
-          "that name; map it to its column in the log",
+          "machine '{}': frf measures a valve, from its command to its spool, and there is no signal {} for it; "
+          "[valve] input and output say which signals of [signals] the two are",
           machine.name, name);
     }
   }
   if (machine.valve.full_scale == 0 || !std::isfinite(machine.valve.full_scale)) {
-    return BadInput("machine file {}: [valve] full_scale is {}, the command at full stroke is needed",
+    return BadInput("machine '{}': [valve] full_scale is {}, the command at full stroke is needed",
                     machine.name, machine.valve.full_scale);
   }
   return {};

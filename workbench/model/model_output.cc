@@ -113,8 +113,10 @@ std::string EffectsText(const Machine* machine) {
       machine == nullptr
           ? fmt::format("Effects that the model of a {} may be missing\n", KindOfAny(machine).title)
           : fmt::format("Effects that the model of {} may be missing\n", machine->name);
-  for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(KindOfAny(machine), effect);
-  return text + "\nAdd one to a machine: hydroscope model add EFFECT --machine FILE\n";
+  const std::vector<Effect> effects = EffectsOf(machine);
+  if (effects.empty()) return text + "\nnone is known\n";
+  for (const Effect& effect : effects) text += "\n" + EffectText(KindOfAny(machine), effect);
+  return text + fmt::format("\nAdd one to a machine: hydroscope model add {} --machine FILE\n", effects.front().id);
 }
 
 nlohmann::json EffectsJson(const Machine* machine) {
@@ -127,7 +129,7 @@ std::string ModelText(const Machine& machine) {
   std::string text =
       fmt::format("{}: model {}, version {}\n", machine.name, machine.model, machine.model_version);
   if (!machine.description.empty()) text += fmt::format("{}\n", machine.description);
-  text += "\nKnown\n";
+  if (!machine.geometry.empty()) text += "\nKnown\n";
   for (const auto& [name, known] : machine.geometry) {
     const DisplayUnit unit = DisplayUnitFor(GeometrySi(machine, name));
     text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
@@ -142,7 +144,9 @@ std::string ModelText(const Machine& machine) {
   for (const std::string& id : machine.added_effects)
     for (const Effect& effect : EffectsOf(&machine))
       if (effect.id == id) text += fmt::format("  {:<28} {}; {}\n", id, effect.title, effect.law);
-  return text + "\nThe values of its parameters come from data: hydroscope compare LOG --machine FILE\n";
+  return text +
+         fmt::format("\nThe values of its parameters come from data: hydroscope {} LOG --machine FILE\n",
+                     MeasuredByResponse(KindOf(machine)) ? "frf" : "fit");
 }
 
 nlohmann::json ModelJson(const Machine& machine) {

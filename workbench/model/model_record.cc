@@ -4,6 +4,7 @@
 
 #include "core/told_error.h"
 #include "diagnosis/interpolated_shapes.h"
+#include "models/counted_words.h"
 #include "models/find_effect.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/model/machine_model.h"
@@ -46,9 +47,9 @@ std::string ModelName(const Machine& machine) {
 Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, const std::string& source) {
   strokes.machine = machine;
   if (strokes.stretches.size() < kMinExplainStrokes)
-    return BadInput(Tell("{}: {} strokes inside the gate, expected at least {} to judge a model on",
-                         "{}: {} Hübe im Gate, erwartet: mindestens {}, um ein Modell daran zu beurteilen",
-                         source, strokes.stretches.size(), kMinExplainStrokes));
+    return BadInput(Tell("{}: {} inside the gate, expected at least {} to judge a model on",
+                         "{}: {} im Gate, erwartet: mindestens {}, um ein Modell daran zu beurteilen", source,
+                         CountedWordsOf(machine).CountedTold(strokes.stretches.size()), kMinExplainStrokes));
   const auto model = FitMachineModel(strokes);
   if (!model) return tl::unexpected(model.error());
   return Evidence(machine, *model, source, static_cast<std::int64_t>(strokes.stretches.size()));
@@ -56,9 +57,9 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, con
 
 Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory& history) {
   if (history.units.size() < 2)
-    return BadInput(Tell("{}: {} strokes in the chosen part of the history, expected at least 2",
-                         "{}: {} Hübe im gewählten Teil der Geschichte, erwartet mindestens 2",
-                         history.database, history.units.size()));
+    return BadInput(Tell("{}: {} in the chosen part of the history, expected at least 2",
+                         "{}: {} im gewählten Teil der Geschichte, erwartet mindestens 2", history.database,
+                         CountedWordsOf(machine).CountedTold(history.units.size())));
   auto structure = std::make_shared<ModelStructure>(*history.model);
   std::vector<int> effects;
   for (const std::string& id : machine.added_effects) {
@@ -89,9 +90,9 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
 
 Result<ModelEvidence> JudgeModel(const Machine& machine, const StrokeHistory& history) {
   if (history.units.size() < kMinExplainStrokes)
-    return BadInput(Tell("{}: {} strokes, expected at least {} to judge a model on",
-                         "{}: {} Hübe, erwartet mindestens {}, um ein Modell zu beurteilen", history.database,
-                         history.units.size(), kMinExplainStrokes));
+    return BadInput(Tell("{}: {}, expected at least {} to judge a model on",
+                         "{}: {}, erwartet mindestens {}, um ein Modell zu beurteilen", history.database,
+                         CountedWordsOf(machine).CountedTold(history.units.size()), kMinExplainStrokes));
   const auto model = FitHistoryModel(machine, history);
   if (!model) return tl::unexpected(model.error());
   return Evidence(machine, *model, history.database, history.strokes());

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/output_unit.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
 
 ErrorWords ErrorWordsOf(const StatesError& error) {
-  if (error.of_variation) return {100, "% of the outputs' variation"};
+  if (error.of_variation) return {kOfVariation.factor, std::string(kOfVariation.name)};
   return {1, std::string(error.unit.name == "1" ? "a number" : error.unit.name)};
 }
 
