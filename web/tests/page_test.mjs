@@ -314,6 +314,16 @@ test("a machine that is no cushion goes the same way, with its own effect", asyn
   assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
 });
 
+test("what to record of a machine of one's own stands in the units that its signals are shown in", async (t) => {
+  sealLogs();
+  const limits = 'signals = { p = { min = 1, max = 7, unit = "bar" }, "abs(ddt(x))" = { min = 3, max = 30, unit = "mm/s" } }';
+  writeFileSync(join(place.path, "limits.toml"), `${readFileSync(join(machines, "seal_friction.toml"), "utf8")}\n[experiment]\n${limits}\n`);
+  const { page, address } = await visit(t, ["seal_6.csv", "--machine", "limits.toml"]);
+  await page.goto(address);
+  await page.waitForSelector(".experiment tr:has-text('p') td:has-text('bar')");
+  assert.match(await page.locator(".experiment tbody").innerText(), /p[^\n]*\t1 bar\n/);
+});
+
 test("an expression of one's own is checked while it is written, tried and added", async (t) => {
   const { page, address } = await visit(t, []);
   const own = join(place.path, "own.toml");  // a library that does not hold what is missing
