@@ -103,6 +103,9 @@ export const de: Words = {
   gateSize: "sein Betrag",
   gateSpeedSize: "der Betrag seiner Geschwindigkeit",
   signalShown: "Signal",
+  signalSpeed: "Geschwindigkeit",
+  signalPressureRate: "Druckanstieg",
+  signalPhase: "Phase",
   time: "Zeit",
 
   logs: "Logs",

@@ -102,6 +102,9 @@ export const en = {
   gateSize: "its size, without sign",
   gateSpeedSize: "the size of its speed",
   signalShown: "Signal",
+  signalSpeed: "speed",
+  signalPressureRate: "pressure rate",
+  signalPhase: "phase",
   time: "time",
 
   logs: "Logs",

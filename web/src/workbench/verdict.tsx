@@ -7,7 +7,7 @@ import { useWords } from "../words";
 import { Experiment } from "./experiment";
 import { Measured } from "./measured";
 import { AsPrinted, TitleOf } from "./parts";
-import { rangeWords } from "./region";
+import { useRangeWords } from "./region";
 import { Remainder } from "./remainder";
 import { Swap } from "./swap";
 
@@ -15,7 +15,7 @@ interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; 
 
 /** What the model misses, in plain words, and what to do about it. */
 export function Verdict({ explain, effects, session, problem, choose }: Props) {
-  const say = useWords();
+  const say = useWords(), rangeWords = useRangeWords();
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
