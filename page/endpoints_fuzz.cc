@@ -83,7 +83,7 @@ std::string Encoded(const std::string& query) {
   std::string out;
   for (const unsigned char c : query)
     out += std::isalnum(c) != 0 || c == '=' || c == '&' ? std::string(1, static_cast<char>(c))
-                                                         : fmt::format("%{:02X}", c);
+                                                        : fmt::format("%{:02X}", c);
   return out;
 }
 

@@ -169,10 +169,26 @@ test("an effect that another one explains better is replaced by a button, and no
   await page.goto(address);
   await page.waitForSelector("[data-swap=external_leakage]");
   assert.match(await page.locator(".suspect", { has: page.locator("[data-swap]") }).innerText(), /Replace External leakage of chamber A by Internal leakage past the piston seal: error 0\.\d+ l\/min → 0\.\d+ l\/min/);
+  const told = await page.locator(".verdict-panel").evaluate((panel) => [...panel.querySelectorAll("p")].map((p) => p.textContent).join("\n"));
+  assert.match(told, /nearest relative: Orifice-like leakage from A to B(\n|$)/, "named once");
+  assert.doesNotMatch(told, /->/);
   await page.click("[data-swap]");
   await until(page, () => /\+ Internal leakage past the piston seal/.test(document.querySelector(".staircase .current").textContent));
   assert.deepEqual((await page.locator(".staircase .head").allInnerTexts()).map((text) => text.replace(/\s+/g, " ")),
     ["1 + External leakage of chamber A", "2 base model", "3 + Internal leakage past the piston seal"]);
+});
+
+test("another step, and an effect chosen from further down, are seen from their top", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion], { viewport: { width: 390, height: 700 } });
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".ranking table");
+  const down = () => page.evaluate(() => { scrollTo(0, 1e6); return scrollY; });
+  for (const [press, step] of [[".stepper button:has-text('Locate')", "locate"], [".ranking tbody button >> nth=1", "add"], [".ranking tbody button >> nth=2", "add"]]) {
+    assert.ok(await down() > 700);
+    await page.locator(press).click();
+    await until(page, "scrollY === 0");
+    assert.match(page.url(), new RegExp(`step=${step}`));
+  }
 });
 
 test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {
