@@ -157,7 +157,7 @@ async function take(name, viewport, colorScheme, locale) {
   await page.click(".own summary");
   await page.fill("input[name=own-expression]", "p_A*sgn(z)");
   await page.waitForSelector(".own pre.problem");
-  await page.locator(".own").scrollIntoViewIfNeeded();
+  await page.locator(".own pre.problem").scrollIntoViewIfNeeded();
   await shoot(page, "own-effect");
   await page.goto(`${two.address}#step=promote`);
   await page.waitForSelector(".promote");

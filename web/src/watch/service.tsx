@@ -43,7 +43,7 @@ export function Service({ overview }: { overview: Overview }) {
 function Status({ overview, service }: { overview: Overview; service: ServiceStatus | null | undefined }) {
   const say = useWords(), tell = useTold();
   if (service === undefined) return <p class="empty" role="status">{say("loading")}</p>;
-  if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code>hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
+  if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code class="command">hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
   const { writer, inbox } = service;
   const problems = [tell(writer, "problem"), tell(writer, "begun_anew"), tell(service.drift, "problem")].filter(({ text }) => text !== "");
   const mark = (fine: boolean) => <span class={fine ? "" : "moved"}>{fine ? "✓ " : "✗ "}</span>;

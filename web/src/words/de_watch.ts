@@ -178,7 +178,7 @@ export const deWatch: typeof enWatch = {
   auditFrom: "Von",
   auditWhat: "Was",
   auditDetail: "Verlangt",
-  auditHere: "Kommandozeile",
+  auditHere: "Befehlszeile",
   auditLogin: "Anmeldung",
   auditAlarm: "Alarm",
   auditLearning: "Referenz",
