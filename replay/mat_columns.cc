@@ -105,7 +105,8 @@ double UnpackedBytes(const matvar_t& variable) {
     return bytes;
   }
   auto bytes = static_cast<double>(Mat_SizeOfClass(variable.class_type));
-  for (int i = 0; i < variable.rank; ++i) bytes *= static_cast<double>(variable.dims[i]);
+  for (int i = 0; variable.dims != nullptr && i < variable.rank; ++i)
+    bytes *= static_cast<double>(variable.dims[i]);
   return bytes;
 }
 
