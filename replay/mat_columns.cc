@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -94,6 +95,29 @@ bool HoldsNumbers(const matvar_t& variable) {
          ToDoubles(variable.class_type, nullptr, 0, 1, &none);
 }
 
+/// Bytes of a variable in memory, as the file says; of a struct or a cell array those of its parts.
+double UnpackedBytes(const matvar_t& variable) {
+  if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) {
+    double bytes = 0;
+    const auto* const* parts = static_cast<const matvar_t* const*>(variable.data);
+    for (std::size_t i = 0; parts != nullptr && i < variable.nbytes / sizeof(*parts); ++i)
+      if (parts[i] != nullptr) bytes += UnpackedBytes(*parts[i]);
+    return bytes;
+  }
+  auto bytes = static_cast<double>(Mat_SizeOfClass(variable.class_type));
+  for (int i = 0; variable.dims != nullptr && i < variable.rank; ++i)
+    bytes *= static_cast<double>(variable.dims[i]);
+  return bytes;
+}
+
+/// Measurements pack into a half to a tenth; what packs into less than a thirtieth, and is large, is none.
+double MostHeld(const std::string& path) {
+  constexpr double kAlways = 64e6, kOfFile = 30;  // bytes, times its size
+  std::error_code failure;
+  const auto size = std::filesystem::file_size(path, failure);
+  return kAlways + (failure ? 0 : kOfFile * static_cast<double>(size));
+}
+
 }  // namespace
 
 bool IsMatFile(const std::string& path) {
@@ -111,11 +135,13 @@ Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
     return BadInput(Tell("log '{}': the MAT file cannot be opened; expected version 4 to 7.3",
                          "Log '{}': die MAT-Datei lässt sich nicht öffnen; erwartet: Version 4 bis 7.3",
                          path));
+  columns->may_hold_ = MostHeld(path);
   while (matvar_t* variable = Mat_VarReadNextInfo(columns->file_)) columns->variables_.push_back(variable);
   for (matvar_t*& variable : columns->variables_) {
     if (variable->name == nullptr) continue;
     const bool whole = variable->class_type == MAT_C_STRUCT;
     if (whole) {
+      if (const Status room = columns->Reserve(*variable); !room) return tl::unexpected(room.error());
       matvar_t* read = Mat_VarRead(columns->file_, variable->name);
       if (read == nullptr) continue;
       Mat_VarFree(variable);
@@ -161,8 +187,20 @@ void MatColumns::AddVariable(matvar_t* variable, const std::string& name, bool h
   }
 }
 
+Status MatColumns::Reserve(const matvar_t& variable) {
+  const double bytes = UnpackedBytes(variable);
+  may_hold_ -= bytes;
+  if (may_hold_ >= 0) return {};
+  return BadInput(Tell(
+      "log '{}': variable '{}' of the MAT file unpacks to {:.0f} MB, more than measurements in a file of this size",
+      "Log '{}': die Variable '{}' der MAT-Datei wird entpackt {:.0f} MB groß, mehr als Messwerte in einer Datei "
+      "dieser Größe",
+      path_, variable.name, bytes / 1e6));
+}
+
 /// Reads the whole variable of a column into memory.
 Status MatColumns::Hold(Column& column) {
+  if (const Status room = Reserve(*column.variable); !room) return room;
   if (Mat_VarReadDataAll(file_, column.variable) != 0 || column.variable->data == nullptr)
     return BadInput(
         Tell("log '{}': variable '{}' of the MAT file is damaged or too big for the memory",

@@ -22,7 +22,7 @@ bool IsMatFile(const std::string& path);
 /// structs under the field's name, columns of a matrix M as "M(1)", "M(2)", ... (rows, if it is wider than
 /// long); each also by its 1-based number in the file. Scalars, texts, complex numbers and matrices of more
 /// than 10 000 columns are left out. Variables are read in slices; only structs and variables compressed in
-/// the old format (v5...7) have to be read as a whole.
+/// the old format (v5...7) have to be read as a whole, as far as that is not many times the file.
 class MatColumns {
  public:
   static Result<std::unique_ptr<MatColumns>> Open(const std::string& path);
@@ -45,6 +45,8 @@ class MatColumns {
   };
   explicit MatColumns(std::string path) : path_(std::move(path)) {}
   void AddVariable(matvar_t* variable, const std::string& name, bool held);
+  /// Takes the room that it needs in memory off what may be held. Error: there is not so much.
+  Status Reserve(const matvar_t& variable);
   Status Hold(Column& column);
 
   std::string path_;
@@ -53,6 +55,7 @@ class MatColumns {
   std::vector<Column> columns_;
   std::vector<std::string> names_;
   std::vector<unsigned char> slice_;
+  double may_hold_ = 0;  ///< bytes in memory, beside those that are
 };
 
 /// Replays the columns of a MAT file.

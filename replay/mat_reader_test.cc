@@ -167,6 +167,32 @@ INSTANTIATE_TEST_SUITE_P(Versions, MatReaderTest,
                                            Format{"v73", MAT_FT_MAT73, MAT_COMPRESSION_ZLIB}),
                          [](const auto& info) { return info.param.name; });
 
+TEST(MatFile, WhatUnpacksToManyTimesTheFileIsRefused) {
+  const auto path =
+      std::filesystem::temp_directory_path() / fmt::format("hydroscope_{}_bomb.mat", ::getpid());
+  std::vector<double> zeros(10'000'000);
+  std::size_t dims[2] = {zeros.size(), 1}, one[2] = {1, 1};
+  for (const bool in_struct : {false, true}) {
+    mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+    matvar_t* variable = Mat_VarCreate(in_struct ? "p" : "bomb", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims,
+                                       zeros.data(), MAT_F_DONT_COPY_DATA);
+    if (in_struct) {
+      const char* field = "p";
+      matvar_t* holds = Mat_VarCreateStruct("bomb", 2, one, &field, 1);
+      Mat_VarSetStructFieldByName(holds, "p", 0, variable);
+      variable = holds;
+    }
+    EXPECT_EQ(Mat_VarWrite(file, variable, MAT_COMPRESSION_ZLIB), 0);
+    Mat_VarFree(variable);
+    Mat_Close(file);
+    EXPECT_LT(std::filesystem::file_size(path), 200'000u);
+    const auto head = ReadLogHead(path.string());
+    ASSERT_FALSE(head) << in_struct;
+    EXPECT_THAT(head.error().text, HasSubstr("variable 'bomb' of the MAT file unpacks to 80 MB"));
+    std::filesystem::remove(path);
+  }
+}
+
 TEST(MatFile, DamagedFileIsRefused) {
   const auto path =
       std::filesystem::temp_directory_path() / fmt::format("hydroscope_damaged_{}.mat", ::getpid());

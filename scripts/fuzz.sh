@@ -17,6 +17,7 @@ targets=(
   storage/blobs            # raw rows and Grams of a database
   pipeline/run_summary      # JSON in a database
   page/api_arguments       # bodies of requests to the page
+  page/endpoints           # what the page's server reads, and every request it answers
   diagnosis/rules          # rules of the drift watch
   alarms/feeds/requests    # Modbus requests to the service
   alarms/feeds/payload     # commands by MQTT Sparkplug
@@ -34,6 +35,7 @@ fuzz() {
     csv) cp -n tests/fuzz_seeds/log.csv "$corpus/" ;;
     mat) cp -n tests/fuzz_seeds/*.mat "$corpus/" ;;
     api_arguments) cp -n tests/fuzz_seeds/page_mapping.json "$corpus/" ;;
+    endpoints) cp -n tests/fuzz_seeds/page_request.txt "$corpus/" ;;
     requests) cp -n tests/fuzz_seeds/modbus_requests.bin "$corpus/" ;;
   esac
   local memory=(-rss_limit_mb=2048)

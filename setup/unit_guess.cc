@@ -97,9 +97,9 @@ std::optional<UnitGuess> TimeByCycles(const LogColumn& column, double rows_per_c
     if (best && away >= least) continue;
     least = away;
     best = UnitGuess{name, 1, 0,
-                     Tell("steps of {:.4g}; as {} a stroke with its return takes {:.3g} s",
-                          "Schritte von {:.4g}; als {} dauert ein Hub mit Rücklauf {:.3g} s", column.step,
-                          std::string(name), cycle),
+                     Tell("steps of {:.4g}; as {} a movement and back takes {:.3g} s",
+                          "Schritte von {:.4g}; als {} dauert eine Bewegung hin und zurück {:.3g} s",
+                          column.step, std::string(name), cycle),
                      true};
   }
   return best;

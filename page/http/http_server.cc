@@ -37,8 +37,12 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
 
 struct OpenRequest {
   HttpRequest request;
-  std::ofstream file;
+  std::ofstream file = {};
   std::int64_t received = 0;
+
+  ~OpenRequest() {
+    if (!request.file.empty()) unlink(request.file.c_str());  // was not kept
+  }
 };
 
 struct EventStream {
@@ -219,7 +223,7 @@ struct HttpServer::Impl {
     head.by_socket = IsBySocket(connection);
     if (!head.by_socket)
       if (const auto refusal = hooks.refuse(head)) return Send(connection, *refusal);
-    auto* open = new OpenRequest{std::move(head), {}, 0};
+    auto* open = new OpenRequest{std::move(head)};
     *request = open;
     open->request.file = hooks.body_file(open->request);
     if (!open->request.file.empty()) open->file.open(open->request.file, std::ios::binary);

@@ -30,7 +30,8 @@ class HttpServer {
     /// Of the port, before a body is read: the refusal, or nothing; finds out who asks. What comes by the socket comes
     /// from the owner.
     std::function<std::optional<HttpReply>(HttpRequest&)> refuse;
-    /// Where the body of this request is to be written; "" = into HttpRequest::body.
+    /// Where the body of this request is to be written; "" = into HttpRequest::body. Removed after the answer, or if the body ends
+    /// early, where nobody moved it away.
     std::function<std::string(const HttpRequest&)> body_file;
     std::function<HttpReply(const HttpRequest&)> answer;
     std::string event_path;  ///< GET of it is an endless stream of `events` ...

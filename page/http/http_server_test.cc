@@ -76,5 +76,24 @@ TEST(HttpServer, ASocketBelongsToOneProgramAndADeadOneIsReplaced) {
   EXPECT_TRUE(AskService(path, "GET", "/")) << "the first one is not disturbed";
 }
 
+TEST(HttpServer, RemovesABodyThatNobodyKept) {
+  const std::string path = SocketFile("body"), file = testing::TempDir() + "http_server_body";
+  for (const bool keeps : {false, true}) {
+    HttpServer::Hooks hooks = AnswersThatTellHow();
+    hooks.body_file = [&](const HttpRequest&) { return file; };
+    hooks.answer = [&](const HttpRequest& request) {
+      if (keeps) std::filesystem::rename(request.file, file + "_kept");
+      return HttpReply{200, "text/plain", std::filesystem::exists(request.file) ? "there" : "moved"};
+    };
+    {
+      const auto server = HttpServer::Open({std::nullopt, path}, hooks);
+      ASSERT_TRUE(server) << server.error().text;
+      EXPECT_EQ(AskService(path, "POST", "/logs").value_or(""), keeps ? "moved" : "there");
+    }
+    EXPECT_FALSE(std::filesystem::exists(file));
+    EXPECT_EQ(std::filesystem::remove(file + "_kept"), keeps);
+  }
+}
+
 }  // namespace
 }  // namespace hydroscope

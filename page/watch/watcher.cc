@@ -45,8 +45,8 @@ std::optional<TrendMark> MarkOf(const AlarmEvent& event) {
     return TrendMark{"reference",
                      event.stroke,
                      {},
-                     {event.text, fmt::format("Referenz {} gelernt aus {} bis {}", event.reference_version,
-                                              event.first_stroke + 1, event.last_stroke + 1)}};
+                     Tell("reference {} learned from {} to {}", "Referenz {} gelernt aus {} bis {}",
+                          event.reference_version, event.first_stroke, event.last_stroke)};
   return std::nullopt;
 }
 

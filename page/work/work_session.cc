@@ -36,6 +36,7 @@ WorkSession::WorkSession(std::vector<ExampleLog> examples, EventFeed& feed,
     : examples_(std::move(examples)),
       feed_(feed),
       folder_(std::move(folder)),
+      uploads_(folder_->path() + "/uploads"),
       machine_(folder_->path() + "/machine"),
       jobs_(feed, niceness) {}
 
@@ -47,8 +48,7 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
   if (!folder) return tl::unexpected(folder.error());
   std::unique_ptr<WorkSession> session(
       new WorkSession(std::move(examples), feed, std::move(*folder), niceness));
-  for (const char* name : {"/uploads", "/machine"})
-    std::filesystem::create_directory(session->folder_->path() + name);
+  std::filesystem::create_directory(session->folder_->path() + "/machine");
   for (const std::string& log : logs) session->logs_.push_back({log, log});
   if (machine_file.empty()) return session;
   if (const auto machine = LoadMachine(machine_file); !machine) return tl::unexpected(machine.error());
@@ -85,30 +85,13 @@ std::string WorkSession::WithoutFolder(std::string text) const {
   return text;
 }
 
-std::string WorkSession::UploadFile() {
-  const std::lock_guard lock(mutex_);
-  const std::string folder = fmt::format("{}/uploads/{}", folder_->path(), ++uploads_);
-  std::filesystem::create_directory(folder);
-  return folder + "/upload";
-}
-
 Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
-  const std::string plain = PlainFileName(name);
-  if (plain.empty())
-    return BadInput(Told("name: expected the name of the log, such as press.csv",
-                         "Name: erwartet der Name des Logs, zum Beispiel press.csv"));
-  const std::string path = (std::filesystem::path(file).parent_path() / plain).string();
-  std::error_code failure;
-  std::filesystem::rename(file, path, failure);
-  if (failure)
-    return InternalError(Tell("the upload cannot be kept: {}", "die Datei kann nicht aufbewahrt werden: {}",
-                              failure.message()));
-  if (const auto head = ReadLogHead(path); !head) {
-    std::filesystem::remove(path, failure);
-    return tl::unexpected(WithoutFolder(head.error()));
-  }
+  const auto upload = uploads_.Keep(file, name);
+  if (!upload) return tl::unexpected(upload.error());
+  const std::string& path = **upload;
+  if (const auto head = ReadLogHead(path); !head) return tl::unexpected(WithoutFolder(head.error()));
   const std::lock_guard lock(mutex_);
-  logs_.push_back({plain, path});
+  logs_.push_back({PlainFileName(name), path, *upload});
   columns_.reset();
   ForgetResults();
   Changed();
@@ -241,13 +224,14 @@ Result<WorkSession::Subject> WorkSession::TakeSubject() const {
   Subject subject;
   {
     const std::lock_guard lock(mutex_);
-    for (const LogFile& log : logs_) subject.input.logs.push_back(log.path);
+    subject.logs = logs_;
     subject.input.hold_out = hold_out_;
     subject.input.machine_file = machine_.file();
     subject.input.measured = measured_;
     subject.generation = generation_;
   }
-  if (subject.input.logs.empty()) return BadInput(kNoLog);
+  for (const LogFile& log : subject.logs) subject.input.logs.push_back(log.path);
+  if (subject.logs.empty()) return BadInput(kNoLog);
   if (subject.input.machine_file.empty()) return BadInput(kNoMachineFile);
   const auto machine = LoadMachine(subject.input.machine_file);
   if (!machine) return tl::unexpected(machine.error());
@@ -295,16 +279,16 @@ Status WorkSession::Work(const WorkRequest& request) {
 Status WorkSession::DrawLog(const std::string& name) {
   const auto machine = MachineOrDraft();
   if (!machine) return tl::unexpected(machine.error());
-  std::string path;
+  LogFile log;
   int generation = 0;
   {
     const std::lock_guard lock(mutex_);
-    for (const LogFile& log : logs_)
-      if (path.empty() && (name.empty() || name == log.name)) path = log.path;
+    for (const LogFile& known : logs_)
+      if (log.path.empty() && (name.empty() || name == known.name)) log = known;
     generation = generation_;
   }
-  if (path.empty()) return BadInput(Tell("there is no log {}", "es gibt kein Log {}", name));
-  auto picture = LogPictureJson(path, *machine);
+  if (log.path.empty()) return BadInput(Tell("there is no log {}", "es gibt kein Log {}", name));
+  auto picture = LogPictureJson(log.path, *machine);
   if (!picture) return tl::unexpected(picture.error());
   const std::lock_guard lock(mutex_);
   if (generation == generation_) pictures_[name] = std::move(*picture);

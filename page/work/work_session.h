@@ -17,6 +17,7 @@
 #include "page/work/own_effect.h"
 #include "page/work/scratch_folder.h"
 #include "page/work/stored_strokes.h"
+#include "page/work/uploads.h"
 #include "page/work/work_results.h"
 #include "setup/log_columns.h"
 
@@ -46,8 +47,8 @@ class WorkSession {
   /// What takes long.
   JobQueue& jobs() { return jobs_; }
 
-  /// A file for an upload to be written to, in a folder of its own.
-  std::string UploadFile();
+  /// A file for an upload to be written to (Uploads::NewFile).
+  std::string UploadFile() { return uploads_.NewFile(); }
   /// Takes an upload as a log. Error: it cannot be read as one.
   Status TakeLog(const std::string& name, const std::string& file);
   /// Takes the text of a machine file as the one worked on. Error: it is none.
@@ -96,10 +97,12 @@ class WorkSession {
  private:
   struct LogFile {
     std::string name, path;
+    KeptFile upload = {};  ///< what is at the path, if it came to the page
   };
   /// A job's view: what it was started for.
   struct Subject {
     WorkInput input;
+    std::vector<LogFile> logs;  ///< of the input
     int generation = 0, version = 0;
   };
 
@@ -121,6 +124,7 @@ class WorkSession {
   const std::vector<ExampleLog> examples_;
   EventFeed& feed_;
   const std::unique_ptr<ScratchFolder> folder_;
+  Uploads uploads_;
 
   mutable std::mutex mutex_;
   std::vector<LogFile> logs_;
@@ -132,7 +136,6 @@ class WorkSession {
   std::shared_ptr<const LogColumns> columns_;
   std::string draft_, draft_name_;  ///< text of the last proposal
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped
-  int uploads_ = 0;
   std::map<int, std::map<std::string, nlohmann::json>> results_;  ///< by model version, then kind and about
   std::map<int, StrokeFindings> strokes_;                         ///< by model version
   std::map<std::string, nlohmann::json> pictures_;                ///< by log

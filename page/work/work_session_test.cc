@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -53,6 +54,15 @@ class PageSession : public testing::Test {
     request.path = path;
     request.body = body;
     return api_->Answer(request);
+  }
+  /// Of a log, to be written to its file.
+  HttpRequest Upload(const char* name) {
+    HttpRequest request;
+    request.method = "POST";
+    request.path = "/api/v1/logs";
+    request.query["name"] = name;
+    request.file = api_->BodyFile(request);
+    return request;
   }
   static nlohmann::json Json(const HttpReply& reply) {
     return nlohmann::json::parse(reply.body, nullptr, false);
@@ -195,15 +205,23 @@ TEST_F(PageSession, SaysWhyWorkFailed) {
   EXPECT_THAT(job["error"].get<std::string>(), HasSubstr("no log"));
 }
 
+TEST_F(PageSession, KeepsUploadsAsLongAsTheyAreWorkedOn) {
+  HttpRequest request = Upload("press.csv");
+  const std::filesystem::path folder = std::filesystem::path(request.file).parent_path();
+  ASSERT_TRUE(WriteLeakingPress(request.file));
+  ASSERT_EQ(api_->Answer(request).status, 200u);
+  EXPECT_FALSE(std::filesystem::is_empty(folder));
+  EXPECT_EQ(Post("/api/v1/proposal", "{}").status, 200u);
+  EXPECT_EQ(Post("/api/v1/start_over", "{}").status, 200u);
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
 TEST_F(PageSession, RefusesUploadsThatAreNoLog) {
-  HttpRequest request;
-  request.method = "POST";
-  request.path = "/api/v1/logs";
-  request.query["name"] = "../../odd.csv";
-  request.file = api_->BodyFile(request);
+  HttpRequest request = Upload("../../odd.csv");
   std::ofstream(request.file) << "nothing\n";
   const HttpReply reply = api_->Answer(request);
   EXPECT_EQ(reply.status, 400u);
+  EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(request.file).parent_path()));
   EXPECT_THAT(reply.body, HasSubstr("odd.csv"));
   EXPECT_EQ(reply.body.find("hydroscope_page_"), reply.body.npos) << "folders are nobody's business";
   EXPECT_TRUE(Session()["logs"].empty());

@@ -77,6 +77,7 @@ export function App() {
   const [units, setUnits] = useState(firstUnits);
   const { session, connected, locked } = useStore();
   const view = useView();
+  const [{ step, effect }] = useUrl();
   const say = useMemo(() => sayIn(language), [language]);
   writeNumbersIn(language);
   showUnitsIn(units);
@@ -85,6 +86,7 @@ export function App() {
     localStorage.setItem("language", language);
     document.documentElement.lang = language;
   }, [language]);
+  useEffect(() => scrollTo(0, 0), [view, step, effect]);  // what is looked at now begins at the top
   return (
     <LanguageContext.Provider value={language}><WordsContext.Provider value={say}>
       <Header {...{ language, setLanguage, units, setUnits }} />

@@ -26,8 +26,12 @@ export function parameterName(parameter: string, language: Language): string {
 
 const ids = /'?(?<![\w-])([a-z]+(?:_[a-z0-9]+)+)(?![\w=])'?/g;  // not what is part of a command, as --measured lag_p_A=0.1
 
+const beside = / \(([a-z]+(?:_[a-z0-9]+)+)\)/g;  // "Orifice-like leakage from A to B (orifice_leakage)"
+
 /** A sentence with the titles of the effects that it names. */
 export function withTitles(sentence: string, language: Language): string {
   const [open, close] = language === "de" ? ["„", "“"] : ["“", "”"];
-  return sentence.replace(ids, (written, id: string) => (known.has(id) ? `${open}${titleOf(id, language)}${close}` : written));
+  return sentence
+    .replace(beside, (written, id: string, at: number) => (known.has(id) && sentence.slice(0, at).endsWith(titleOf(id, language)) ? "" : written))
+    .replace(ids, (written, id: string) => (known.has(id) ? `${open}${titleOf(id, language)}${close}` : written));
 }

@@ -3,12 +3,15 @@
 
 import { useContext } from "preact/hooks";
 import { isEffect, titleOf, withTitles } from "./effect_titles";
-import { LanguageContext } from "./words";
+import { LanguageContext, type Language } from "./words";
 
 /** Something with sentences under these keys, and the same in German. */
 export type Telling<K extends string> = Record<K, string> & { german?: Partial<Record<K, string>> | null };
 
 export type Tell = <K extends string>(of: Telling<K>, what: K) => { text: string; lang?: "en" };
+
+/** As people print it: a terminal has no arrows. */
+const printed = (sentence: string, language: Language) => withTitles(sentence, language).replace(/ -> /g, " → ");
 
 /** A sentence, with the language to say of it where it is not that of the page. */
 export function useTold(): Tell {
@@ -16,8 +19,8 @@ export function useTold(): Tell {
   return (of, what) => {
     if (isEffect(of[what])) return { text: titleOf(of[what], language) };
     const german = of.german?.[what];
-    if (language === "de" && german) return { text: withTitles(german, "de") };
-    const text = withTitles(of[what], language);
+    if (language === "de" && german) return { text: printed(german, "de") };
+    const text = printed(of[what], language);
     return language === "en" ? { text } : { text, lang: "en" };
   };
 }

@@ -91,7 +91,14 @@ test("the kind is chosen where columns say nothing; picture, sensors and words f
   await page.goto(address);
   await dropped(page, "anonymous.csv");
   assert.equal(await chosenKind(page), "expressions");
+  let answer;
+  await page.route("**/api/v1/proposal", (route) => { answer = () => route.continue(); });
   await page.selectOption("select[name=kind]", { label: "Prüfzylinder" });
+  await page.waitForSelector(".mapping .empty");
+  assert.equal(await page.locator(".pin, .machine, .balance, .verdict").count(), 0, "nothing is shown of the kind before");
+  assert.equal(await chosenKind(page), "test_cylinder");
+  await page.unroute("**/api/v1/proposal");
+  await answer();
   await page.waitForSelector(".machine [data-mark=z_set]");
   assert.match(await page.locator(".kind").innerText(), /von Ihnen gewählt/);
   assert.equal(await page.locator(".pin.missing").count(), 3, "names that say nothing are not guessed at");

@@ -169,10 +169,26 @@ test("an effect that another one explains better is replaced by a button, and no
   await page.goto(address);
   await page.waitForSelector("[data-swap=external_leakage]");
   assert.match(await page.locator(".suspect", { has: page.locator("[data-swap]") }).innerText(), /Replace External leakage of chamber A by Internal leakage past the piston seal: error 0\.\d+ l\/min → 0\.\d+ l\/min/);
+  const told = await page.locator(".verdict-panel").evaluate((panel) => [...panel.querySelectorAll("p")].map((p) => p.textContent).join("\n"));
+  assert.match(told, /nearest relative: Orifice-like leakage from A to B(\n|$)/, "named once");
+  assert.doesNotMatch(told, /->/);
   await page.click("[data-swap]");
   await until(page, () => /\+ Internal leakage past the piston seal/.test(document.querySelector(".staircase .current").textContent));
   assert.deepEqual((await page.locator(".staircase .head").allInnerTexts()).map((text) => text.replace(/\s+/g, " ")),
     ["1 + External leakage of chamber A", "2 base model", "3 + Internal leakage past the piston seal"]);
+});
+
+test("another step, and an effect chosen from further down, are seen from their top", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion], { viewport: { width: 390, height: 700 } });
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".ranking table");
+  const down = () => page.evaluate(() => { scrollTo(0, 1e6); return scrollY; });
+  for (const [press, step] of [[".stepper button:has-text('Locate')", "locate"], [".ranking tbody button >> nth=1", "add"], [".ranking tbody button >> nth=2", "add"]]) {
+    assert.ok(await down() > 700);
+    await page.locator(press).click();
+    await until(page, "scrollY === 0");
+    assert.match(page.url(), new RegExp(`step=${step}`));
+  }
 });
 
 test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {
@@ -312,6 +328,16 @@ test("a machine that is no cushion goes the same way, with its own effect", asyn
   await page.waitForSelector("[data-verdict=adequate]");
   const [base, added] = (await errorsOfVersions(page)).map(parseFloat);
   assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
+});
+
+test("what to record of a machine of one's own stands in the units that its signals are shown in", async (t) => {
+  sealLogs();
+  const limits = 'signals = { p = { min = 1, max = 7, unit = "bar" }, "abs(ddt(x))" = { min = 3, max = 30, unit = "mm/s" } }';
+  writeFileSync(join(place.path, "limits.toml"), `${readFileSync(join(machines, "seal_friction.toml"), "utf8")}\n[experiment]\n${limits}\n`);
+  const { page, address } = await visit(t, ["seal_6.csv", "--machine", "limits.toml"]);
+  await page.goto(address);
+  await page.waitForSelector(".experiment tr:has-text('p') td:has-text('bar')");
+  assert.match(await page.locator(".experiment tbody").innerText(), /p[^\n]*\t1 bar\n/);
 });
 
 test("an expression of one's own is checked while it is written, tried and added", async (t) => {

@@ -53,7 +53,7 @@ export async function serve(words, cwd, port = 20_000 + ((process.pid * 8 + serv
   const address = `http${words.includes("--certificate") ? "s" : ""}://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; };
   for (let k = 0; k < 1200; ++k) {
     if (child.exitCode !== null) throw new Error(`serve ended with ${child.exitCode}`);
-    if (await answers(port)) return { address, port, stop };
+    if (await answers(port)) return { address, port, pid: child.pid, stop };
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
   await stop();

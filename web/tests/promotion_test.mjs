@@ -95,6 +95,8 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   assert.ok(after.model_version > before.model_version && after.strokes >= stored.strokes);
   const leak = await untilWatched(address, (machine) => machine.parameters.some((p) => p.parameter === "internal_leakage.G" && p.reason === "updated" && p.value > 1e-12 && p.value < 8e-12));
   assert.ok(leak.strokes > before.strokes);
+  await page.goto(`${address}#view=overview`);
+  await page.waitForSelector(".tile .facts-line:has-text('+ Internal leakage past the piston seal')");
   const { journal } = await (await page.request.get(`${address}api/v1/watch/journal`)).json();
   const row = journal.find((entry) => entry.event === "model_promoted");
   assert.deepEqual([row.user, row.comment], ["admin", "the seal leaks until it is changed"]);

@@ -146,6 +146,23 @@ async function take(name, viewport, colorScheme, locale) {
   await shoot(page, "compare-two-versions");
   await work.stop();
 
+  const two = await open(["leak.csv", "drift.csv", "--machine", machine], place.path);
+  await page.goto(`${two.address}#step=compare`);
+  await page.waitForSelector("[data-verdict]");
+  await page.selectOption("select[name=hold-out]", "drift.csv");
+  await page.waitForSelector("[data-held-out]");
+  await page.waitForSelector("[data-verdict]");
+  await shoot(page, "held-out");
+  await page.goto(`${two.address}#step=add`);
+  await page.click(".own summary");
+  await page.fill("input[name=own-expression]", "p_A*sgn(z)");
+  await page.waitForSelector(".own pre.problem");
+  await page.locator(".own pre.problem").scrollIntoViewIfNeeded();
+  await shoot(page, "own-effect");
+  await page.goto(`${two.address}#step=promote`);
+  await page.waitForSelector(".promote");
+  await shoot(page, "promote");
+  await two.stop();
   const rivals = await open(["drift.csv", "--machine", machine], place.path);
   await page.goto(rivals.address);
   await page.waitForSelector("[data-verdict]");
@@ -158,6 +175,12 @@ async function take(name, viewport, colorScheme, locale) {
   await page.goto(`${pump.address}#step=check`);
   await page.waitForSelector(".machine .mark");
   await shoot(page, "states-check");
+  for (const [step, there] of [["locate", ".heat .cell"], ["add", ".centre h1"], ["confirm", ".save"]]) {
+    await page.goto(`${pump.address}#step=${step}`);
+    await page.waitForSelector("[data-verdict]");
+    await page.waitForSelector(there);
+    await shoot(page, `states-${step}`);
+  }
   await pump.stop();
   const alone = await open(["pump.csv"], place.path);
   await page.goto(alone.address);

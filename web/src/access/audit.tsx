@@ -1,29 +1,41 @@
 import { useEffect, useState } from "preact/hooks";
 import { get } from "../api";
 import { failureOf, Problem, type Failure } from "../failure";
-import { useWords } from "../words";
+import { Told } from "../told";
+import { useWords, type Say } from "../words";
+import type { Words } from "../words/en";
 import { dateText } from "../watch/shown";
 import { useWatch } from "../watch/watch_store";
 import { CardTable } from "../workbench/parts";
 
 interface AuditRow { sequence: number; wall_s: number; user: string; role: string; address: string; what: string; detail: string; outcome: string }
 
+/** What rows of the table call a change. */
+const changes: Record<string, keyof Words> = {
+  login: "auditLogin", "watch/alarms": "auditAlarm", "watch/learning": "auditLearning", "watch/valve_checks": "auditSweep", promote: "auditPromote",
+  "user added": "auditAdded", "user removed": "auditRemoved", "password changed": "auditPassword", "role changed": "auditRole",
+};
+const actions: Record<string, keyof Words> = { acknowledge: "event_acknowledged", shelve: "event_shelved", unshelve: "event_unshelved", comment: "event_commented" };
+
 /** What was asked, without braces and quotes. */
-function asked(detail: string): string {
+function asked(detail: string, say: Say): string {
   try {
     const { action, machine, alarm, ...more } = JSON.parse(detail) as Record<string, unknown>;
     const rest = Object.entries(more).filter(([, value]) => value !== "" && value !== null).map(([key, value]) => `${key}: ${String(value)}`);
-    return [action, [machine, alarm].filter(Boolean).join("/"), ...rest].filter(Boolean).join(" · ");
+    return [actions[String(action)] ? say(actions[String(action)]) : action, [machine, alarm].filter(Boolean).join("/"), ...rest].filter(Boolean).join(" · ");
   } catch {
     return detail;
   }
 }
 
-function reason(outcome: string): string {
+/** Why it was not done. */
+function Reason({ outcome }: { outcome: string }) {
+  const say = useWords();
+  if (outcome === "refused") return <>{say("auditRefused")}</>;
   try {
-    return (JSON.parse(outcome) as { error: string }).error;
+    return <Told of={JSON.parse(outcome) as { error: string }} what="error" />;
   } catch {
-    return outcome;
+    return <span lang="en">{outcome}</span>;
   }
 }
 
@@ -48,9 +60,9 @@ export function Audit() {
             <time>{dateText(row.wall_s)}</time>,
             <>{row.user || "–"}{row.role && row.role !== "nobody" && <small> {say(`role_${row.role as "view"}`)}</small>}</>,
             row.address || say("auditHere"),
-            <span lang="en">{row.what}</span>,
-            <span lang="en" class="detail-cell">{asked(row.detail)}</span>,
-            <span lang="en">{row.outcome ? <span class="moved">{reason(row.outcome)}</span> : "✓"}</span>,
+            changes[row.what] ? say(changes[row.what]) : <span lang="en">{row.what}</span>,
+            <span class="detail-cell">{asked(row.detail, say)}</span>,
+            row.outcome ? <span class="moved"><Reason outcome={row.outcome} /></span> : "✓",
           ])} />
       )}
     </section>

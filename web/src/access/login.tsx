@@ -32,7 +32,7 @@ export function Login() {
     <form class="login" onSubmit={(event) => void login(event)}>
       <h1>{say("loginTitle")}</h1>
       <p>{say(locked ? "loginToRead" : "loginToAct")}</p>
-      {!anyUsers && <p class="verdict bad">{say("loginNoUsers")} <code>hydroscope users --db … add NAME --role admin</code></p>}
+      {!anyUsers && <p class="verdict bad">{say("loginNoUsers")} <code class="command">hydroscope users --db … add NAME --role admin</code></p>}
       <label>{say("userName")} <input name="name" autoComplete="username" autoCapitalize="none" spellcheck={false} required maxLength={64} value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>
       <label>{say("password")} <input name="password" type="password" autoComplete="current-password" required maxLength={1024} value={password} onInput={(e) => setPassword(e.currentTarget.value)} /></label>
       <button class="primary" disabled={busy || name === "" || password === ""}>{say("login")}</button>

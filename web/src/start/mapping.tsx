@@ -45,30 +45,38 @@ export function Mapping() {
   const say = useWords(), tell = useTold();
   const { session } = useStore();
   const [proposal, setProposal] = useState<Proposal | null>(null);
+  const [awaited, setAwaited] = useState<string | null>(null);  // the kind of machine whose proposal is not here yet
   const [picture, setPicture] = useState<LogPicture | null>(null);
   const [problem, setProblem] = useState<Failure | null>(null);
   const asked = useRef<Request>({});
   const latest = useRef(0);
   const [answered, setAnswered] = useState(0);
 
-  /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. */
-  const propose = useCallback(async (change: Request, shown: Partial<Proposal> = {}) => {
+  /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. False: it failed. */
+  const propose = useCallback(async (change: Request, shown: Partial<Proposal> = {}): Promise<boolean> => {
     asked.current = { ...asked.current, ...change };
     setProposal((before) => before && { ...before, ...shown });
     const turn = ++latest.current;
     try {
       const answer = await post<Proposal>("proposal", asked.current);
-      if (turn !== latest.current) return;
+      if (turn !== latest.current) return true;
       setProposal(answer);
+      setAwaited(null);
       setAnswered(turn);
       setProblem(null);
-      if (answer.problem) return setPicture(null);
-      await work("picture");
-      const drawn = await find<LogPicture>("results", { kind: "picture" });
-      if (turn === latest.current) setPicture(drawn);
+      if (answer.problem) setPicture(null);
+      else {
+        await work("picture");
+        const drawn = await find<LogPicture>("results", { kind: "picture" });
+        if (turn === latest.current) setPicture(drawn);
+      }
     } catch (caught) {
-      if (turn === latest.current) setProblem(failureOf(caught));
+      if (turn !== latest.current) return true;
+      setProblem(failureOf(caught));
+      setAwaited(null);
+      return false;
     }
+    return true;
   }, []);
   useEffect(() => void propose({}), [session?.logs.length]);
 
@@ -78,9 +86,12 @@ export function Mapping() {
     void propose({ model: proposal.model, columns: columnsOf(pins) }, { pins });
   };
   const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
-  const takeKind = (model: string) => {
+  const takeKind = async (model: string) => {
+    const before = asked.current;
     asked.current = {};  // what was said of another machine
-    void propose({ model }, { model });
+    setAwaited(model);
+    setPicture(null);
+    if (!await propose({ model })) asked.current = before;
   };
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
@@ -100,7 +111,7 @@ export function Mapping() {
   return (
     <section class="mapping">
       <h1>{say("mapTitle")}</h1>
-      <p class="kind"><label>{say("mapKind")} <select name="kind" value={proposal.model} onChange={(e) => takeKind(e.currentTarget.value)}>
+      <p class="kind"><label>{say("mapKind")} <select name="kind" value={awaited ?? proposal.model} onChange={(e) => void takeKind(e.currentTarget.value)}>
         {proposal.kinds.map((kind) => <option key={kind.id} value={kind.id}>{tell(kind, "title").text}</option>)}
       </select></label> <span class="quiet">{say(asked.current.model ? "mapChosen" : "mapRecognised")}</span></p>
       <p>{say("mapText")}</p>
@@ -114,25 +125,27 @@ export function Mapping() {
                 <span class="name">{column.name}{column.unit && <small> {column.unit}</small>}</span>
                 <Thumbnail thumbnail={column.thumbnail} />
                 <span class="range">{column.numeric ? `${short(column.low)} … ${short(column.high)}` : "–"}</span>
-                <span class="role">{column.signal ? say("mapUsedAs", { signal: column.signal }) : say("mapUnused")}</span>
+                <span class="role">{awaited ? "" : column.signal ? say("mapUsedAs", { signal: column.signal }) : say("mapUnused")}</span>
               </li>
             ))}
           </ul>
         </div>
         <div>
           <h2>{say("mapSensors")}</h2>
-          <MachinePicture picture={proposal.picture} readings={proposal.pins.map((pin) => ({ ...pin, state: stateOf(pin) }))} put={put} />
-          <ul class="pins">
-            {proposal.pins.map((pin) => (
-              <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />
-            ))}
-          </ul>
-          {slow && <p class="verdict bad">{say("mapRate", { rate: short(rate) })} – {say("mapTooSlow")}</p>}
-          {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
-          {areas.map((area) => <Area key={`${proposal.model} ${area.name}`} known={area} set={(value) => setGeometry(area.name, value)} />)}
-          <Sizes key={proposal.model} sizes={proposal.geometry.filter((known) => !areas.includes(known))} set={setGeometry} />
-          {proposal.balance && <BalanceEditor key={proposal.model} proposed={proposal.balance} signals={proposal.pins.filter((pin) => pin.signal !== "time").map((pin) => pin.signal)}
-            problem={proposal.problem} set={(balance) => void propose({ model: proposal.model, balance })} />}
+          {awaited ? <p class="empty" role="status">{say("loading")}</p> : <>
+            <MachinePicture picture={proposal.picture} readings={proposal.pins.map((pin) => ({ ...pin, state: stateOf(pin) }))} put={put} />
+            <ul class="pins">
+              {proposal.pins.map((pin) => (
+                <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />
+              ))}
+            </ul>
+            {slow && <p class="verdict bad">{say("mapRate", { rate: short(rate) })} – {say("mapTooSlow")}</p>}
+            {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
+            {areas.map((area) => <Area key={`${proposal.model} ${area.name}`} known={area} set={(value) => setGeometry(area.name, value)} />)}
+            <Sizes key={proposal.model} sizes={proposal.geometry.filter((known) => !areas.includes(known))} set={setGeometry} />
+            {proposal.balance && <BalanceEditor key={proposal.model} proposed={proposal.balance} signals={proposal.pins.filter((pin) => pin.signal !== "time").map((pin) => pin.signal)}
+              problem={proposal.problem} set={(balance) => void propose({ model: proposal.model, balance })} />}
+          </>}
         </div>
       </div>
       {picture && <>
@@ -141,18 +154,20 @@ export function Mapping() {
         <GatePlots picture={picture} bounds={proposal.gate} set={setGate} />
         <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={setGate} />
       </>}
-      <details><summary>{say("mapDecided")}</summary>
-        <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
-      <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
       <Problem of={problem} />
-      <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
-        {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
-          : !proposal.problem ? say("mapReady")
-          : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
-          : proposal.balance?.output === "" ? say("balanceNeeded")
-          : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
-      </p>
-      <button class="primary" disabled={proposal.problem !== null || odd !== undefined || answered !== latest.current} onClick={() => void accept()}>{say("mapGo")}</button>
+      {!awaited && <>
+        <details><summary>{say("mapDecided")}</summary>
+          <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
+        <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
+        <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
+          {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
+            : !proposal.problem ? say("mapReady")
+            : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
+            : proposal.balance?.output === "" ? say("balanceNeeded")
+            : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
+        </p>
+        <button class="primary" disabled={proposal.problem !== null || odd !== undefined || answered !== latest.current} onClick={() => void accept()}>{say("mapGo")}</button>
+      </>}
     </section>
   );
 }

@@ -1,11 +1,13 @@
-import { useEffect, useState } from "preact/hooks";
+import { useContext, useEffect, useState } from "preact/hooks";
 import { find } from "../api";
+import { titleOf } from "../effect_titles";
 import { Plot, pageColor } from "../plot";
 import { Told, useTold } from "../told";
 import { amount, inChosen, unitName } from "../units";
 import { useUrl } from "../url_state";
-import { CountedIn, useWords } from "../words";
+import { CountedIn, LanguageContext, useWords } from "../words";
 import type { Words } from "../words/en";
+import { axisName } from "../workbench/region";
 import { severities } from "./alarms";
 import { useWatch } from "./watch_store";
 import { celsius, dateText, interval, isDate, ofParameter, symbolOf } from "./shown";
@@ -64,7 +66,7 @@ function Standing({ machine }: { machine: string }) {
 
 /** `signals`: those of the last stroke are shown without asking. */
 function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean }) {
-  const say = useWords(), tell = useTold();
+  const say = useWords(), tell = useTold(), language = useContext(LanguageContext);
   const [, setUrl] = useUrl();
   const oil = celsius(machine.oil_temperature_K);
   return (
@@ -75,11 +77,11 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
         {say("strokesCount", { count: machine.strokes.toLocaleString() })}
         {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
         {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
-        {machine.effects.length > 0 && <> · <span>+ {machine.effects.join(" + ")}</span></>}
+        {machine.effects.length > 0 && <> · <span>+ {machine.effects.map((effect) => titleOf(effect, language)).join(" + ")}</span></>}
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
       <Standing machine={machine.machine} />
-      <table class="cards" role="table">
+      {machine.parameters.length > 0 && <table class="cards" role="table">
         <thead><tr role="row"><th scope="col" role="columnheader">{say("parameter")}</th><th scope="col" role="columnheader">{say("newest")}</th><th scope="col" role="columnheader">{say("against")}</th><th scope="col" role="columnheader"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
         <tbody>
           {machine.parameters.map((p) => (
@@ -94,9 +96,9 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
             </tr>
           ))}
         </tbody>
-      </table>
+      </table>}
       {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("besideFound")}</small></p>}
-      <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={signals} />
+      {machine.strokes > 0 && <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={signals} />}
     </article>
   );
 }
@@ -125,7 +127,7 @@ export function StrokePicture({ machine, stroke, title, begin = false }: { machi
           {picture.signals.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
         </select></label>
         <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values.map((v) => (v === null ? null : v * unit.factor + unit.offset))]} height={180}
-          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (${unit.name || "1"})`} />
+          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={axisName(signal.name, unit.name)} />
       </>}
     </details>
   );

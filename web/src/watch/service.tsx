@@ -43,7 +43,7 @@ export function Service({ overview }: { overview: Overview }) {
 function Status({ overview, service }: { overview: Overview; service: ServiceStatus | null | undefined }) {
   const say = useWords(), tell = useTold();
   if (service === undefined) return <p class="empty" role="status">{say("loading")}</p>;
-  if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code>hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
+  if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code class="command">hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
   const { writer, inbox } = service;
   const problems = [tell(writer, "problem"), tell(writer, "begun_anew"), tell(service.drift, "problem")].filter(({ text }) => text !== "");
   const mark = (fine: boolean) => <span class={fine ? "" : "moved"}>{fine ? "✓ " : "✗ "}</span>;
@@ -71,9 +71,9 @@ function Status({ overview, service }: { overview: Overview; service: ServiceSta
         rows={service.axes.map((a) => [a.name, a.strokes, a.counters.missing_rows, a.counters.late_rows, a.counters.gaps])} />
       <Table title={say("links")} heads={[say("links"), say("alarm_state"), say("clients"), say("behind")]}
         rows={service.feeds.map((f) => [f.name, <>{mark(f.connected)}<Told of={f} what="state" /></>, f.clients, f.behind])} />
-      {service.log && service.log.length > 0 && <section><h2>{say("serviceLog")}</h2>
+      {service.log && service.log.length > 0 && <section><h2>{say("serviceLog")}</h2><p class="quiet">{say("serviceLogText")}</p>
         <Scroll label={say("serviceLog")}><table class="log"><tbody>{[...service.log].reverse().map((line, k) => (
-          <tr key={k} class={line.level === "info" ? "" : "moved"}><td>{dateText(line.wall_s)}</td><td lang="en">{line.level}</td><td lang="en" class="code">{line.text}</td></tr>))}</tbody></table></Scroll></section>}
+          <tr key={k} class={line.level === "info" ? "" : "moved"}><td>{dateText(line.wall_s)}</td><td>{say(`level_${line.level}` as keyof Words)}</td><td lang="en" class="code">{line.text}</td></tr>))}</tbody></table></Scroll></section>}
     </section>
   );
 }

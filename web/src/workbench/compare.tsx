@@ -5,7 +5,7 @@ import { useTold } from "../told";
 import { amount, nameOf, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 import { AsPrinted } from "./parts";
-import { regionOf, regionWords } from "./region";
+import { regionOf, useRegionWords } from "./region";
 import { Outputs, usePicture } from "./stroke_overlay";
 
 interface Props { compare?: CompareResult; errors: RegionErrors | null; session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
@@ -15,7 +15,7 @@ interface Listed { stroke: number; rms: number; noise: number; windows?: number 
 
 /** Measured beside modelled, stroke by stroke, the worst first; of a region that was chosen, only strokes and windows there. */
 export function Compare({ compare, errors, session, query, setUrl }: Props) {
-  const say = useWords(), tell = useTold();
+  const say = useWords(), tell = useTold(), regionWords = useRegionWords();
   const machine = session.machine!;
   const region = regionOf(query.region);
   const worst = useMemo(() => {

@@ -90,7 +90,7 @@ function Save({ session }: { session: Session }) {
       {!session.file && !session.login && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
       {!session.login && <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>}
       <button class="quiet" onClick={() => void download()}>{say("download")}</button>
-      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br /><code>{say("saveNext", { file: told })}</code></p>}
+      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br />{say("saveNext")} <code class="command">hydroscope fit LOG --machine {told}</code></p>}
       <Problem of={problem} />
     </section>
   );

@@ -1,4 +1,5 @@
 import type { ExplainResult, Plan } from "../types";
+import { useStore } from "../store";
 import { Told } from "../told";
 import { nameOf, short, shownNumber, unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
@@ -22,6 +23,7 @@ export function Experiment({ explain, units }: { explain: ExplainResult; units: 
 
 function PlanTable({ plan, units }: { plan: Plan; units: Units }) {
   const say = useWords();
+  const check = useStore().results.check;
   const list = (values: number[] | undefined, si: string) => {
     const unit = unitOf(units, si);
     return `${(values ?? []).map((v) => short(v * unit.factor)).join(", ")} ${unitName(unit)}`;
@@ -32,8 +34,12 @@ function PlanTable({ plan, units }: { plan: Plan; units: Units }) {
   if (plan.pressures?.length) rows.push([say("experimentPressures"), list(plan.pressures, "Pa")]);
   if (plan.rod_pressures?.length) rows.push([say("experimentRod"), list(plan.rod_pressures, "Pa")]);
   if (plan.warm_up) rows.push([say("experimentWarm"), `${short(plan.warm_up)} K`]);
-  for (const s of plan.signals ?? [])
-    rows.push([say(s.speed ? "experimentSpeedLevels" : "experimentLevels", { signal: s.signal }), s.levels.map(([from, to]) => `${short(from)} … ${short(to)}`).join("; ") + " (SI)"]);
+  for (const s of plan.signals ?? []) {
+    const unit = unitOf(units, check?.signals.find((known) => known.signal === s.signal)?.unit ?? "SI"), offset = s.speed ? 0 : unit.offset;
+    const shown = (value: number) => short(value * unit.factor + offset);
+    const levels = s.levels.map(([from, to]) => (from === to ? shown(from) : `${shown(from)} … ${shown(to)}`)).join("; ");
+    rows.push([say(s.speed ? "experimentSpeedLevels" : "experimentLevels", { signal: s.signal }), `${levels} ${s.speed ? `${unitName(unit) || "1"}/s` : unitName(unit)}`.trim()]);
+  }
   rows.push([say("experimentSeconds"), `${short(plan.seconds)} s`]);
   return (
     <table>

@@ -2,7 +2,7 @@ import { useRef, useState } from "preact/hooks";
 import type { ErrorMap, MapCell } from "../types";
 import { amount, nameOf, short, shownNumber } from "../units";
 import { useWords } from "../words";
-import { axisName, rangeWords, regionText, type Range } from "./region";
+import { axisName, regionText, useRangeWords, useSignalName, type Range } from "./region";
 
 /** Edges of the cells along one signal, ascending; edges that differ by rounding alone are one. */
 function edges(map: ErrorMap, axis: number): number[] {
@@ -19,7 +19,7 @@ interface Props { map: ErrorMap; unit: string; region: Range[]; choose: (region:
 
 /** Error over one or two signals. Cells are chosen one by one, or many by drawing over them, or by Shift with a click or Enter. */
 export function HeatMap({ map, unit, region, choose }: Props) {
-  const say = useWords();
+  const say = useWords(), rangeWords = useRangeWords(), signalName = useSignalName();
   const [brush, setBrush] = useState<Brush | null>(null);
   const last = useRef<Place>([0, 0]);
   const two = map.signals.length > 1;
@@ -47,7 +47,7 @@ export function HeatMap({ map, unit, region, choose }: Props) {
   const tick = (list: number[], k: number, axis: number) => `${short(shownNumber(list[k], map.units[axis]))} … ${short(shownNumber(list[k + 1], map.units[axis]))}`;
   return (
     <div class="heat" style={{ "--columns": String(columns) }}>
-      {two && <div class="y-name">{axisName(map.signals[1], map.units[1])}</div>}
+      {two && <div class="y-name">{axisName(signalName(map.signals[1]), map.units[1])}</div>}
       <div class="cells" style={{ gridTemplateColumns: `auto repeat(${columns}, minmax(0, 1fr))`, gridTemplateRows: `repeat(${rows}, minmax(2.6rem, auto)) auto` }}
         onPointerUp={() => { if (brush) { setBrush(null); take(brush); } }} onPointerLeave={() => setBrush(null)}>
         {two && y.slice(0, -1).map((_, k) => (
@@ -71,7 +71,7 @@ export function HeatMap({ map, unit, region, choose }: Props) {
         })}
         {x.slice(0, -1).map((_, k) => <span class="tick x" key={`x${k}`} style={{ gridColumn: k + 2, gridRow: rows + 1 }}>{tick(x, k, 0)}</span>)}
       </div>
-      <div class="x-name">{axisName(map.signals[0], map.units[0])}</div>
+      <div class="x-name">{axisName(signalName(map.signals[0]), map.units[0])}</div>
       <p class="heat-key"><i class="heat-0" /> {say("locateBelow")}{errors.length > 0 && <span> · {short(shownNumber(least, unit))} {[1, 2, 3, 4, 5].map((k) => <i key={k} class={`heat-${k}`} />)} {short(shownNumber(most, unit))} {nameOf(unit)}</span>}</p>
     </div>
   );

@@ -2,7 +2,7 @@ import type { CompareResult, ErrorMap, RegionErrors } from "../types";
 import { amount } from "../units";
 import { useWords } from "../words";
 import { HeatMap } from "./heat_map";
-import { rangeWords, regionOf, regionText, regionWords } from "./region";
+import { regionOf, regionText, useRangeWords, useRegionWords, useSignalName } from "./region";
 
 interface Props { compare?: CompareResult; errors: RegionErrors | null; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
 
@@ -10,7 +10,7 @@ const nameOfMap = (map: ErrorMap) => map.signals.join(" × ");
 
 /** Heat map of the error over the operating space. */
 export function Locate({ compare, errors, query, setUrl }: Props) {
-  const say = useWords();
+  const say = useWords(), rangeWords = useRangeWords(), regionWords = useRegionWords(), signalName = useSignalName();
   if (!compare) return <p class="empty">{say("loading")}</p>;
   const maps = [...(compare.maps ?? [])].sort((a, b) => b.signals.length - a.signals.length || b.explained - a.explained);
   const map = maps.find((m) => nameOfMap(m) === query.map) ?? maps[0];
@@ -22,7 +22,7 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
       <h1>{say("locateTitle")}</h1>
       <p>{flat ? say("locateNothing") : say("locateText")} {say("locateBrush")}</p>
       <label>{say("locateOver")} <select value={nameOfMap(map)} onChange={(e) => setUrl({ map: e.currentTarget.value, region: "" })}>
-        {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{nameOfMap(m)} ({Math.max(0, Math.round(100 * m.explained))} %)</option>)}
+        {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{m.signals.map(signalName).join(" × ")} ({Math.max(0, Math.round(100 * m.explained))} %)</option>)}
       </select></label>
       <p class="quiet">{map.output && <>{say("locateOutput", { output: map.output })} </>}{say("locateExplains", { share: Math.max(0, Math.round(100 * map.explained)) })}</p>
       <HeatMap map={map} unit={map.error_unit ?? compare.unit} region={region} choose={(next) => setUrl({ region: regionText(next) })} />

@@ -26,7 +26,7 @@ export function Promote({ session }: { session: Session }) {
   return (
     <section class="promote">
       <h1>{say("promoteTitle")}</h1>
-      {!session.strokes ? <p class="empty">{say(session.watched ? "promoteNoStrokes" : "promoteNoDatabase")}</p> : <>
+      {!session.strokes ? <p class="empty">{session.watched ? say("promoteNoStrokes") : <>{say("promoteNoDatabase")} <code class="command">hydroscope model promote --machine FILE --db D</code></>}</p> : <>
         <dl class="facts">
           <div><dt>{say("alarm_axis")}</dt><dd>{session.strokes.machine}</dd></div>
           <div><dt>{say("promoteNow")}</dt><dd data-promoted={watched?.model_version}>{watched ? `${say("confirmVersion")} ${watched.model_version}: ${names(watched.effects)}` : "–"}</dd></div>

@@ -2,8 +2,11 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
+import { useStore } from "../store";
 import type { ErrorMap, RegionErrors, StrokePicture } from "../types";
 import { amount, nameOf, short, shownNumber } from "../units";
+import { useWords } from "../words";
+import type { Words } from "../words/en";
 
 export interface Range { signal: string; from: number; to: number }
 
@@ -17,15 +20,27 @@ export function regionText(region: Range[]): string {
   return region.map(({ signal, from, to }) => `${signal}:${from}:${to}`).join("|");
 }
 
+/** Signals that the program works out, beside those of the machine. */
+const workedOut: Record<string, keyof Words> = { speed: "signalSpeed", pressure_rate: "signalPressureRate", phase: "signalPhase" };
+
+/** What a signal is called: those of the machine as in its file, others in words of the page. */
+export function useSignalName(): (signal: string) => string {
+  const say = useWords();
+  const own = useStore().session?.machine?.signals ?? [];
+  return (signal) => (workedOut[signal] && !own.includes(signal) ? say(workedOut[signal]) : signal);
+}
+
 /** "p_A 33.4 … 85 bar" */
-export function rangeWords({ signal, from, to }: Range, unit: string): string {
-  return `${signal} ${short(shownNumber(from, unit))} … ${amount(to, unit)}`;
+export function useRangeWords(): (range: Range, unit: string) => string {
+  const nameOf = useSignalName();
+  return ({ signal, from, to }, unit) => `${nameOf(signal)} ${short(shownNumber(from, unit))} … ${amount(to, unit)}`;
 }
 
 /** The same of a region, with the units that the maps name. */
-export function regionWords(region: Range[], maps: ErrorMap[]): string {
-  const unitOf = (signal: string) => maps.map((map) => map.units[map.signals.indexOf(signal)]).find((unit) => unit) ?? "";
-  return region.map((range) => rangeWords(range, unitOf(range.signal))).join(", ");
+export function useRegionWords(): (region: Range[], maps: ErrorMap[]) => string {
+  const rangeWords = useRangeWords();
+  const unitOf = (signal: string, maps: ErrorMap[]) => maps.map((map) => map.units[map.signals.indexOf(signal)]).find((unit) => unit) ?? "";
+  return (region, maps) => region.map((range) => rangeWords(range, unitOf(range.signal, maps))).join(", ");
 }
 
 /** "p_A (bar)" */

@@ -4,18 +4,29 @@ import type { Effect, ExplainResult, Session } from "../types";
 import { Told, ToldList } from "../told";
 import { amount } from "../units";
 import { useWords } from "../words";
+import type { Words } from "../words/en";
 import { Experiment } from "./experiment";
 import { Measured } from "./measured";
 import { AsPrinted, TitleOf } from "./parts";
-import { rangeWords } from "./region";
+import { useRangeWords } from "./region";
 import { Remainder } from "./remainder";
 import { Swap } from "./swap";
 
 interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; problem?: Failure; choose: (effect: string) => void }
 
+/** An adequate model may be so in part only, and of an unknown error it may be open whether it is one. */
+function headline(explain: ExplainResult): keyof Words {
+  if (explain.may_be_noise) return "mayBeNoise";
+  if (explain.slow) return "slow";
+  if (explain.verdict === "adequate" && explain.short_runs) return "shortRuns";
+  if (explain.verdict === "unknown" && explain.astray) return "astray";
+  if (explain.verdict === "unknown" && explain.doubtful) return "doubtful";
+  return explain.verdict;
+}
+
 /** What the model misses, in plain words, and what to do about it. */
 export function Verdict({ explain, effects, session, problem, choose }: Props) {
-  const say = useWords();
+  const say = useWords(), rangeWords = useRangeWords();
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
@@ -23,7 +34,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
-      <p class="headline" data-verdict={explain.verdict}>{say(explain.may_be_noise ? "mayBeNoise" : explain.slow ? "slow" : explain.verdict)}</p>
+      <p class="headline" data-verdict={explain.verdict}>{say(headline(explain))}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}

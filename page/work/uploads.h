@@ -1,0 +1,30 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+/// Path of a file in a folder of its own; both are removed with the last that holds it.
+using KeptFile = std::shared_ptr<const std::string>;
+
+/// Files that came to the page, below a folder.
+class Uploads {
+ public:
+  /// Makes the folder. It has to outlive what is kept.
+  explicit Uploads(std::string folder);
+
+  /// Where the next one is to be written to. It belongs to who writes it until it is kept.
+  std::string NewFile();
+  /// Keeps it under the plain part of a name (PlainFileName). Errors: nothing is left of the name, or it cannot be kept.
+  Result<KeptFile> Keep(const std::string& file, const std::string& name);
+
+ private:
+  const std::string folder_;
+  std::atomic<int> made_ = 0, kept_ = 0;
+};
+
+}  // namespace hydroscope
