@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 namespace hydroscope {
 namespace {
@@ -28,30 +29,77 @@ bool IsOdd(const StrokeSet& all, std::span<const std::size_t> rest, std::size_t 
   return set.ExcessRatio(fit, last) > std::max(options.clear, options.deviations * chance);
 }
 
+using Strokes = std::vector<std::size_t>;
+
+bool AreDescribed(const ExtendedFit& fit, const ExplainOptions& explain) {
+  return fit.solved && fit.excess_ratio <= explain.floor_excess;
+}
+
+/// All but the worst, and the next, until the rest is described (forward trimming); empty if fewer than `least` would be.
+Strokes WithoutTheWorst(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                        const ExplainOptions& explain, std::size_t least) {
+  Strokes rest(static_cast<std::size_t>(strokes.strokes()));
+  std::iota(rest.begin(), rest.end(), 0);
+  while (rest.size() >= least) {
+    const StrokeSet set = strokes.Only(rest);
+    const ExtendedFit fit = set.Fit(start);
+    if (!fit.solved) break;
+    if (AreDescribed(fit, explain)) return rest;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(Worst(set, fit)));
+  }
+  return {};
+}
+
+/// The `count` strokes that `fit` describes best.
+Strokes BestDescribed(const StrokeSet& strokes, const ExtendedFit& fit, std::size_t count) {
+  std::vector<std::pair<double, std::size_t>> errors;
+  for (std::size_t s = 0; s < static_cast<std::size_t>(strokes.strokes()); ++s)
+    errors.emplace_back(strokes.ExcessRatio(fit, s), s);
+  std::sort(errors.begin(), errors.end());
+  Strokes best;
+  for (std::size_t k = 0; k < count; ++k) best.push_back(errors[k].second);
+  std::sort(best.begin(), best.end());
+  return best;
+}
+
+/// The `count` strokes that one model describes, where so many others bend the fit of all that these do not look the worst: from few
+/// strokes drawn at random, each fit is followed by that of the strokes which it describes best (least trimmed squares by
+/// concentration steps, Rousseeuw and Van Driessen 1999). Empty if no draw leads to any.
+Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                     const ExplainOptions& explain, std::size_t count, const OddStrokeOptions& options) {
+  std::mt19937_64 random(options.seed);
+  Strokes all(static_cast<std::size_t>(strokes.strokes()));
+  std::iota(all.begin(), all.end(), 0);
+  for (int draw = 0; draw < options.draws; ++draw) {
+    Strokes used;
+    std::sample(all.begin(), all.end(), std::back_inserter(used), options.least, random);
+    for (int step = 0; step < options.steps; ++step) {
+      const ExtendedFit fit = strokes.Only(used).Fit(start);
+      if (!fit.solved) break;
+      if (used.size() == count && AreDescribed(fit, explain)) return used;
+      Strokes next = BestDescribed(strokes, fit, count);
+      if (next == used) break;
+      used = std::move(next);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options) {
   const auto count = static_cast<std::size_t>(strokes.strokes());
-  std::vector<std::size_t> rest(count), out;
-  std::iota(rest.begin(), rest.end(), 0);
-  bool described = false;
   const auto share = static_cast<std::size_t>(std::ceil((1 - options.most) * static_cast<double>(count)));
-  while (rest.size() >= std::max(options.least, share)) {
-    const StrokeSet set = strokes.Only(rest);
-    const ExtendedFit fit = set.Fit(start);
-    if (!fit.solved) return {};
-    described = fit.excess_ratio <= explain.floor_excess;
-    if (described) break;
-    const std::size_t worst = Worst(set, fit);
-    out.push_back(rest[worst]);
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(worst));
-  }
-  if (!described || out.empty()) return {};
-  std::vector<std::size_t> odd;
-  for (const std::size_t s : out)
-    if (IsOdd(strokes, rest, s, start, options)) odd.push_back(s);
-  std::sort(odd.begin(), odd.end());
+  const std::size_t least = std::max(options.least, share);
+  if (least >= count) return {};
+  Strokes rest = WithoutTheWorst(strokes, start, explain, least);
+  if (rest.empty()) rest = Concentrated(strokes, start, explain, least, options);
+  if (rest.empty()) return {};
+  Strokes odd;
+  for (std::size_t s = 0; s < count; ++s)
+    if (!std::binary_search(rest.begin(), rest.end(), s) && IsOdd(strokes, rest, s, start, options))
+      odd.push_back(s);
   return odd;
 }
 

@@ -39,6 +39,18 @@ TEST(OddStrokes, ALeakInSomeStrokesIsNamedInThese) {
   EXPECT_EQ(x.verdict, Verdict::kNamed);
 }
 
+/// So large a leak in so many strokes bends the fit of all that healthy ones look the worst.
+TEST(OddStrokes, ALargeLeakInAThirdOfTheStrokesHidesNone) {
+  PressOptions options;
+  options.seconds = 90;
+  options.imperfections = {{"intermittent_leakage", 4e-11, {{"share", 0.35}}, {}}};
+  for (options.seed = 1; options.seed <= 2; ++options.seed) {
+    const Explanation x = Explained(StrokesOfPress(options));
+    ASSERT_THAT(x.odd_strokes, SizeIs(1)) << options.seed;
+    EXPECT_THAT(x.odd_strokes.front().set, ElementsAre("internal_leakage")) << options.seed;
+  }
+}
+
 TEST(OddStrokes, AnotherFlowGainInSomeIsNoEffectThatImitatesIt) {
   const Explanation x = Explained(LogWith({{"Q_vn_step", 0.03, {{"until", 0.3}}, {}}}));
   ASSERT_THAT(x.odd_strokes, SizeIs(1));
