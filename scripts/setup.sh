@@ -10,7 +10,6 @@ packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev
   libsqlitecpp-dev libsqlite3-dev sqlite3 nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
-  libceres-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
   libmicrohttpd-dev libsodium-dev libspdlog-dev libsystemd-dev
   libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler

@@ -177,7 +177,8 @@ std::vector<std::string> Faults(const std::string& path, const std::string& text
     const bool apart = path.starts_with("machines/") || path.starts_with("simulator/");
     if (!apart && code.starts_with("#include \"machines/"))
       faults.push_back(fmt::format("{}: only machines/ includes machines/", where));
-    const bool names = apart || BeginsWithOneOf(path, kNameAllThings) || kNameThings.contains(path);
+    const bool names = apart || line.starts_with("#include") || BeginsWithOneOf(path, kNameAllThings) ||
+                       kNameThings.contains(path);
     const bool inside = !path.starts_with("cli/");  // whose help has examples of shipped machines
     for (const std::string& literal : Literals(code))
       if (const std::string name = MachineNameIn(literal, inside); !names && !name.empty())

@@ -70,9 +70,10 @@ std::string CommentsOf(const std::string& source) {
 TEST(NamedFiles, OfReadmeAndDocsAreThere) {
   const fs::path root = HYDROSCOPE_SOURCE_DIR;
   EXPECT_THAT(Missing(TextOf(root / "README.md")), IsEmpty());
-  for (const auto& entry : fs::directory_iterator(root / "docs"))
-    if (entry.path().extension() == ".md")
-      EXPECT_THAT(Missing(TextOf(entry.path())), IsEmpty()) << entry.path();
+  for (const auto& entry : fs::directory_iterator(root / "docs")) {
+    if (entry.path().extension() != ".md") continue;
+    EXPECT_THAT(Missing(TextOf(entry.path())), IsEmpty()) << entry.path();
+  }
 }
 
 TEST(NamedFiles, OfCommentsInSourcesAreThere) {
