@@ -6,6 +6,8 @@
 #include <numeric>
 #include <random>
 
+#include "diagnosis/remainder/residuals.h"
+
 namespace hydroscope {
 namespace {
 
@@ -50,14 +52,30 @@ Strokes WithoutTheWorst(const StrokeSet& strokes, std::span<const EffectChoice> 
   return {};
 }
 
-/// The `count` strokes that `fit` describes best.
-Strokes BestDescribed(const StrokeSet& strokes, const ExtendedFit& fit, std::size_t count) {
-  std::vector<std::pair<double, std::size_t>> errors;
+/// Gram of each stroke by itself, noise taken out.
+std::vector<Eigen::MatrixXd> GramOfEach(const StrokeSet& strokes) {
+  std::vector<Eigen::MatrixXd> grams;
   for (std::size_t s = 0; s < static_cast<std::size_t>(strokes.strokes()); ++s)
-    errors.emplace_back(strokes.ExcessRatio(fit, s), s);
-  std::sort(errors.begin(), errors.end());
+    grams.push_back(strokes.Only(std::array{s}).Total());
+  return grams;
+}
+
+/// What `fit` leaves of the output, as a combination of the model's columns.
+Eigen::VectorXd ErrorOf(const ModelStructure& model, const ExtendedFit& fit) {
+  Eigen::VectorXd error = -ColumnWeights(model, fit);
+  error[model.output_column()] += 1;
+  return error;
+}
+
+/// The `count` strokes in whose equations `error` has the least energy, in order.
+Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd> grams,
+                      const Eigen::VectorXd& error, std::size_t count) {
+  std::vector<std::pair<double, std::size_t>> energies;
+  for (std::size_t s = 0; s < grams.size(); ++s)
+    energies.emplace_back(error.dot(grams[s] * error) / std::max(1.0, strokes.Equations(s)), s);
+  std::sort(energies.begin(), energies.end());
   Strokes best;
-  for (std::size_t k = 0; k < count; ++k) best.push_back(errors[k].second);
+  for (std::size_t k = 0; k < count; ++k) best.push_back(energies[k].second);
   std::sort(best.begin(), best.end());
   return best;
 }
@@ -67,8 +85,9 @@ Strokes BestDescribed(const StrokeSet& strokes, const ExtendedFit& fit, std::siz
 /// concentration steps, Rousseeuw and Van Driessen 1999). Empty if no draw leads to any.
 Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start,
                      const ExplainOptions& explain, std::size_t count, const OddStrokeOptions& options) {
+  const std::vector<Eigen::MatrixXd> grams = GramOfEach(strokes);
   std::mt19937_64 random(options.seed);
-  Strokes all(static_cast<std::size_t>(strokes.strokes()));
+  Strokes all(grams.size());
   std::iota(all.begin(), all.end(), 0);
   for (int draw = 0; draw < options.draws; ++draw) {
     Strokes used;
@@ -77,7 +96,7 @@ Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> sta
       const ExtendedFit fit = strokes.Only(used).Fit(start);
       if (!fit.solved) break;
       if (used.size() == count && AreDescribed(fit, explain)) return used;
-      Strokes next = BestDescribed(strokes, fit, count);
+      Strokes next = BestDescribed(strokes, grams, ErrorOf(strokes.model(), fit), count);
       if (next == used) break;
       used = std::move(next);
     }
@@ -147,10 +166,7 @@ std::string ParameterInPlaceOf(const Explanation& found, bool explains, const St
     at << theta, effect.size;
     return odd.Direction(effect.choice, at);
   };
-  Eigen::VectorXd error = Eigen::VectorXd::Zero(model.column_count());
-  error[model.output_column()] = 1;
-  error.head(base) -= theta;
-  for (const EffectEstimate& effect : rest.effects) error -= effect.size * direction_of(effect);
+  const Eigen::VectorXd error = ErrorOf(model, rest);
   const Eigen::MatrixXd gram = odd.Total();
 
   Eigen::MatrixXd effects(model.column_count(), 0);

@@ -10,9 +10,10 @@ namespace hydroscope {
 
 /// Thresholds of the search for odd strokes, calibrated by `hydroscope benchmark plant-logs`.
 struct OddStrokeOptions {
-  double most = 0.4;        ///< share of the strokes that may be odd: more, and who is to say which ones are
-  std::size_t least = 4;    ///< strokes that the rest must have
-  int draws = 40, steps = 6;  ///< of few strokes at random, of which a third may be odd, and fits that follow each
+  double most = 0.4;      ///< share of the strokes that may be odd: more, and who is to say which ones are
+  std::size_t least = 4;  ///< strokes that the rest must have
+  int draws = 40,
+      steps = 6;  ///< of few strokes at random, of which a third may be odd, and fits that follow each
   std::uint64_t seed = 1999;  ///< of these draws
   double clear = 0.5;       ///< error energy per noise energy of a stroke that is odd, as the rest models it
   double deviations = 6.0;  ///< ... and in standard deviations of what noise makes of so many equations

@@ -116,7 +116,8 @@ std::string EffectsText(const Machine* machine) {
   const std::vector<Effect> effects = EffectsOf(machine);
   if (effects.empty()) return text + "\nnone is known\n";
   for (const Effect& effect : effects) text += "\n" + EffectText(KindOfAny(machine), effect);
-  return text + fmt::format("\nAdd one to a machine: hydroscope model add {} --machine FILE\n", effects.front().id);
+  return text +
+         fmt::format("\nAdd one to a machine: hydroscope model add {} --machine FILE\n", effects.front().id);
 }
 
 nlohmann::json EffectsJson(const Machine* machine) {
