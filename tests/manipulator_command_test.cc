@@ -70,7 +70,7 @@ TEST_F(Design, SaysWhatIsWrong) {
   Refused({"design", "-m", kArmMachine, "--range", "q_1=0:1"}, "no equation");
   Refused(
       {"design", "-m", std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/die_cushion.toml", "--range", "z=0:1"},
-      "linear");
+      "no trajectory is designed");
 }
 
 }  // namespace
