@@ -51,7 +51,7 @@ Told Doubts::MayMoveBetweenRows(const Explanation& found) const {
   for (std::size_t k = static_cast<std::size_t>(found.started); k < found.final.effects.size(); ++k) {
     const EffectEstimate& late = found.final.effects[k];
     const Effect& effect = *strokes_.model().effects[late.choice.effect];
-    if (late.size > effect.unseen_rows * strokes_.period()) continue;
+    if (effect.unseen_rows == 0 || late.size > effect.unseen_rows * strokes_.period()) continue;
     return Tell(
         "rows are {:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command held so "
         "long, looks {:.2g} ms late as well",

@@ -12,9 +12,9 @@ namespace hydroscope {
 struct OddStrokeOptions {
   double most = 0.4;      ///< share of the strokes that may be odd: more, and who is to say which ones are
   std::size_t least = 4;  ///< strokes that the rest must have
-  int draws = 40,
-      steps = 6;  ///< of few strokes at random, of which a third may be odd, and fits that follow each
-  std::uint64_t seed = 1999;  ///< of these draws
+  int draws = 40;  ///< of `least` strokes at random: one in ten is without odd ones where four tenths are odd
+  int steps = 6;   ///< fits that follow each draw, at most
+  std::uint64_t seed = 1999;  ///< of the draws
   double clear = 0.5;       ///< error energy per noise energy of a stroke that is odd, as the rest models it
   double deviations = 6.0;  ///< ... and in standard deviations of what noise makes of so many equations
   std::size_t least_named = 2;  ///< odd strokes that an effect must be seen in, each left out in turn
@@ -28,8 +28,8 @@ struct OddStrokeOptions {
 };
 
 /// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until it does (forward
-/// trimming), or the rest is found by least trimmed squares; then those that the rest describes after all are taken back. Empty if the log
-/// cannot be parted so, or if all strokes are described.
+/// trimming), or the rest is found by least trimmed squares; then those that the rest describes after all are taken back. Empty
+/// if the log cannot be parted so, or if all strokes are described.
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options = {});
 

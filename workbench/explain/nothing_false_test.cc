@@ -278,6 +278,15 @@ TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
   EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
 }
 
+/// What falls is of negative size, and no delay.
+TEST(NothingFalse, AFlowGainThatFallsIsNotDoubtedForTheDistanceOfRows) {
+  PressOptions options = ASeenPress(6);
+  options.imperfections = {{"Q_vn_drift", -0.04, {}, ""}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("Q_vn_drift"));
+  EXPECT_FALSE(x.partial) << x.doubt.english;
+}
+
 /// Sensors finer than any plant's show that signals do not quite move evenly between rows.
 TEST(NothingFalse, AnErrorThatNoSensorOfAPlantWouldShowIsNone) {
   PressOptions options = ASeenPress(13);
