@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/wide.h"
 #include "estimation/frequency_response/model.h"
 #include "estimation/frequency_response/second_order.h"
 
@@ -18,14 +19,79 @@ double SquaredMagnitude(Complex z) { return z.real() * z.real() + z.imag() * z.i
 
 }  // namespace
 
+/// Images of a frequency that a held command has, as ForEachImage visits them; a command that moves evenly has the frequency alone.
+constexpr int kTermsOfHold = 2 * kImages + 1;
+using PerImage = std::array<double, kTermsOfHold>;
+
+/// PerImage of the response without what FactorOf gives, and times what makes them slopes to log w0, log D and dead time.
+struct ResponseTerms {
+  PerImage real, imag, omega_real, omega_imag, damping_real, damping_imag, delay_real, delay_imag;
+};
+
+/// Numbers of a model that all frequencies share.
 struct FitProblem::Parameters {
-  explicit Parameters(const Vector4& p)
+  Parameters(const Vector4& p, double time_scale, double hold)
       : omega_0(std::exp(p(kLogOmega))),
         damping(std::exp(p(kLogDamping))),
         gain(p(kGain)),
-        scaled_dead_time(p(kDeadTime)) {}
-  double omega_0, damping, gain, scaled_dead_time;
+        dead_time(p(kDeadTime) / time_scale),
+        hold(hold),
+        count(hold > 0 ? kTermsOfHold : 1),
+        apart(hold > 0 ? kTwoPi / hold : 0.0),
+        first(-(count / 2) * apart) {
+    for (int m = 0; m < count; ++m) {
+      const Complex turned = std::polar(1.0, -m * apart * dead_time);
+      turn_real[m] = turned.real();
+      turn_imag[m] = turned.imag();
+    }
+  }
+  void FillTerms(double omega, bool with_slopes, ResponseTerms& t) const;
+  /// What all terms of a frequency have as a factor, but for the gain: dead time of the first image, hold.
+  Complex FactorOf(double omega) const {
+    const Complex delayed = std::polar(1.0, -(omega + first) * dead_time);
+    return hold > 0 ? Times(delayed, Times(1.0 - std::polar(1.0, -omega * hold), Complex(0, -1 / hold)))
+                    : delayed;
+  }
+
+  double omega_0, damping, gain, dead_time;
+  double hold;                    ///< s, 0: the command moves evenly
+  int count;                      ///< terms
+  double apart;                   ///< rad/s from image to image
+  double first;                   ///< rad/s from a frequency to its first image
+  PerImage turn_real, turn_imag;  ///< exp(-j w T) of an image over that of the first one
 };
+
+namespace {
+
+Complex Sum(const PerImage& real, const PerImage& imag, int count) {
+  Complex sum = 0;
+  for (int m = 0; m < count; ++m) sum += Complex(real[m], imag[m]);
+  return sum;
+}
+
+}  // namespace
+
+HYDROSCOPE_WIDE void FitProblem::Parameters::FillTerms(double omega, bool with_slopes,
+                                                       ResponseTerms& t) const {
+  const double per_omega_0 = 1 / omega_0, twice_damping = 2 * damping, from = omega + first;
+  for (int m = 0; m < count; ++m) {
+    const double w = from + m * apart, r = w * per_omega_0;
+    const double a = 1 - r * r, b = twice_damping * r, over = 1 / ((a * a + b * b) * (hold > 0 ? w : 1.0));
+    t.real[m] = over * (a * turn_real[m] + b * turn_imag[m]);
+    t.imag[m] = over * (a * turn_imag[m] - b * turn_real[m]);
+  }
+  for (int m = 0; with_slopes && m < count; ++m) {
+    const double w = from + m * apart, r = w * per_omega_0;
+    const double a = 1 - r * r, b = twice_damping * r, over = 1 / (a * a + b * b);
+    const double real = over * (t.real[m] * a + t.imag[m] * b), imag = over * (t.imag[m] * a - t.real[m] * b);
+    t.omega_real[m] = -2 * r * r * real - b * imag;
+    t.omega_imag[m] = b * real - 2 * r * r * imag;
+    t.damping_real[m] = b * imag;
+    t.damping_imag[m] = -b * real;
+    t.delay_real[m] = w * t.imag[m];
+    t.delay_imag[m] = -w * t.real[m];
+  }
+}
 
 FitProblem::FitProblem(std::vector<FrequencyPoint> points, double hold) : hold_(hold) {
   std::erase_if(points,
@@ -57,7 +123,7 @@ FitProblem FitProblem::Thinned(std::size_t most) const {
 
 double FitProblem::Cost(const Vector4& p) const {
   double cost = 0;
-  const Parameters given(p);
+  const Parameters given(p, time_scale_, hold_);
   for (const Target& target : targets_) {
     cost += SquaredMagnitude(target.response - Model(given, target.omega)) / target.variance;
   }
@@ -66,7 +132,7 @@ double FitProblem::Cost(const Vector4& p) const {
 
 void FitProblem::Residuals(const Vector4& p, double* residuals, double* jacobian) const {
   const std::size_t rows = 2 * targets_.size();
-  const Parameters given(p);
+  const Parameters given(p, time_scale_, hold_);
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Target& target = targets_[i];
     const double weight = 1 / std::sqrt(target.variance);
@@ -116,31 +182,20 @@ Vector4 FitProblem::Complete(double omega_0, double damping) const {
 }
 
 Complex FitProblem::Model(const Parameters& p, double omega) const {
-  Complex sum = 0;
-  ForEachImage(omega, hold_, [&](double image, Complex factor) {
-    sum += Times(Times(factor, SecondOrder(image, p.omega_0, p.damping)),
-                 std::polar(1.0, -image / time_scale_ * p.scaled_dead_time));
-  });
-  return p.gain * sum;
+  ResponseTerms terms;
+  p.FillTerms(omega, false, terms);
+  return p.gain * Times(p.FactorOf(omega), Sum(terms.real, terms.imag, p.count));
 }
 
-Complex FitProblem::ModelWithSlopes(const Parameters& p, double frequency,
-                                    std::array<Complex, 4>& slope) const {
-  Complex model = 0;
-  ForEachImage(frequency, hold_, [&](double omega, Complex factor) {
-    const double r = omega / p.omega_0;
-    const Complex shape = SecondOrder(omega, p.omega_0, p.damping);
-    const Complex delayed =
-        Times(Times(factor, shape), std::polar(1.0, -omega / time_scale_ * p.scaled_dead_time));
-    const Complex term = p.gain * delayed;
-    const Complex shaped = Times(term, shape);
-    model += term;
-    slope[kLogOmega] += Times(shaped, Complex(-2 * r * r, 2 * p.damping * r));
-    slope[kLogDamping] -= Times(shaped, Complex(0, 2 * p.damping * r));
-    slope[kGain] += delayed;
-    slope[kDeadTime] += Times(term, Complex(0, -omega / time_scale_));
-  });
-  return model;
+Complex FitProblem::ModelWithSlopes(const Parameters& p, double omega, std::array<Complex, 4>& slope) const {
+  ResponseTerms terms;
+  p.FillTerms(omega, true, terms);
+  const Complex factor = p.FactorOf(omega), with_gain = p.gain * factor;
+  slope[kLogOmega] = Times(with_gain, Sum(terms.omega_real, terms.omega_imag, p.count));
+  slope[kLogDamping] = Times(with_gain, Sum(terms.damping_real, terms.damping_imag, p.count));
+  slope[kGain] = Times(factor, Sum(terms.real, terms.imag, p.count));
+  slope[kDeadTime] = Times(with_gain, Sum(terms.delay_real, terms.delay_imag, p.count)) / time_scale_;
+  return p.gain * slope[kGain];
 }
 
 }  // namespace hydroscope

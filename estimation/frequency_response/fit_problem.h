@@ -51,7 +51,7 @@ class FitProblem {
 
   FitProblem(double hold, double time_scale) : hold_(hold), time_scale_(time_scale) {}
   std::complex<double> Model(const Parameters& p, double omega) const;
-  std::complex<double> ModelWithSlopes(const Parameters& p, double frequency,
+  std::complex<double> ModelWithSlopes(const Parameters& p, double omega,
                                        std::array<std::complex<double>, 4>& slope) const;
 
   double hold_;

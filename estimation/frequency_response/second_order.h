@@ -23,7 +23,7 @@ inline Complex SecondOrder(double omega, double omega_0, double damping) {
 /// Images on either side that a response needs which falls with the square of the frequency.
 inline constexpr int kImages = 16;
 
-/// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
+/// Calls visit(w_m, factor_m), m from -images on, for the terms whose sum is the response between samples: the frequency itself,
 /// or for a command held from sample to sample also its images w_m = w + m 2 pi / hold, each through the hold
 /// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997, sec. 7.6).
 template <typename Visit>
@@ -35,7 +35,8 @@ void ForEachImage(double omega, double hold, Visit visit, int images = kImages) 
   const Complex numerator = 1.0 - std::polar(1.0, -omega * hold);
   for (int m = -images; m <= images; ++m) {
     const double image = omega + m * kTwoPi / hold;
-    visit(image, numerator / Complex(0, image * hold));
+    const double per_turn = 1 / (image * hold);
+    visit(image, Complex(numerator.imag() * per_turn, -numerator.real() * per_turn));
   }
 }
 
