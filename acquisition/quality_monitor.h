@@ -55,8 +55,7 @@ struct ChannelQuality {
 ///
 /// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
 /// back two rows, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
-/// are flagged as well. Inspect gives out what need not be held any longer. At the end of a log, Flush gives out the last
-/// rows.
+/// are flagged as well. Inspect gives out what need not be held any longer, Flush the last rows at the end of a log.
 class QualityMonitor {
  public:
   /// `sample_period` in s.

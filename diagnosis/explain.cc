@@ -20,6 +20,11 @@ bool Contains(const std::vector<std::string>& group, const std::string& id) {
   return std::find(group.begin(), group.end(), id) != group.end();
 }
 
+/// Error energy per equation that ExplainOptions::trifle comes to.
+double TrifleOf(const StrokeSet& strokes, const ExplainOptions& options) {
+  return options.trifle * options.trifle * strokes.OutputEnergy() / strokes.equations();
+}
+
 /// One run of the chain over one set of Grams.
 class Explainer {
  public:
@@ -330,6 +335,7 @@ void Explainer::Judge(Explanation& out) const {
 
 Explanation Explainer::Run() {
   Explanation out = BeginExplanation(strokes_, options_, start_, ranking_);
+  out.trifle = TrifleOf(strokes_, options_);
   if (!out.base.solved) return out;
   const bool stands_out = !out.ranking.empty() && out.ranking.front().significant;
   const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
@@ -352,10 +358,6 @@ Explanation Explainer::Run() {
 bool SameEffects(const std::vector<EffectChoice>& a, const std::vector<EffectChoice>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const EffectChoice& x, const EffectChoice& y) { return x.effect == y.effect; });
-}
-
-double TrifleOf(const StrokeSet& strokes, const ExplainOptions& options) {
-  return options.trifle * options.trifle * strokes.OutputEnergy() / strokes.equations();
 }
 
 /// `options` with thresholds that a trifle does not pass.
@@ -433,7 +435,6 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   const CandidateModel start = StartModel(used, options.start);
   Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
                                                : ExplainByStrokes(used, options, start);
-  if (!IsOwnMachine(used.model())) out.trifle = TrifleOf(used, options);
   RefuseWhatDoesNotLowerTheError(out);
   WidenShown(used, out);
   return out;

@@ -38,8 +38,9 @@ struct ExplainOptions {
   double floor_excess = kFloorExcess;
   double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
-  /// Error over output, both rms, below which nothing is missing, however sure the error is: sensors of plants are no more linear
-  /// than that, and between rows signals do not quite move evenly.
+  /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
+  /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this effects of the tests
+  /// are missed.
   double trifle = 0.0005;
   /// Gain another law may still make on an explanation that claims to be complete.
   double max_remainder = 40.0;
@@ -181,8 +182,8 @@ struct Explanation {
   /// function of the signals shows. `doubt` says so.
   bool may_be_noise = false;
   Told doubt;
-  double trifle =
-      0;  ///< error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to
+  /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
+  double trifle = 0;
   Told no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do
   std::vector<Told> warnings;  ///< what makes the result doubtful, a sentence each, for every output
   double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances

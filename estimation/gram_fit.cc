@@ -220,8 +220,8 @@ double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> colu
   return sum.Rms();
 }
 
-Told NotExcited(const ModelStructure& model, std::span<const StrokeGram> strokes,
-                const WindowSamples& window) {
+Told WhyNotSolved(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                  const WindowSamples& window) {
   if (std::all_of(strokes.begin(), strokes.end(), [](const StrokeGram& gram) { return gram.blocks == 0; }))
     return Tell(
         "gaps, repeated rows and bad values cut the log into pieces shorter than the {:.3g} s that an equation needs: see "
@@ -254,7 +254,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
              "nicht gefunden: {}; [gate] der Maschinendatei am Log prüfen ('hydroscope check')",
              model.words.stroke));
   fit.theta = SolveNormalEquations(total);
-  if (fit.theta.size() == 0) return BadInput(NotExcited(model, strokes, window));
+  if (fit.theta.size() == 0) return BadInput(WhyNotSolved(model, strokes, window));
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);

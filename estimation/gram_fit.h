@@ -24,9 +24,10 @@ NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> c
 /// Flow form, for errors in output units.
 NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output);
 
-/// What is said where strokes do not tell all parameters of the model apart, or are cut into pieces too short for any equation.
-Told NotExcited(const ModelStructure& model, std::span<const StrokeGram> strokes,
-                const WindowSamples& window);
+/// Why the equations of strokes have no solution: they do not tell all parameters of the model apart, or there are none, since the
+/// log is cut into pieces too short for any.
+Told WhyNotSolved(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                  const WindowSamples& window);
 
 /// Result of a batch fit of the base model over strokes.
 struct GramFit {

@@ -127,13 +127,12 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
 /// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
 /// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the next block.
 std::vector<BlockWeights> SpanEquationBuilder::WeightsOf(int block) {
-  const int paired = block / 4 * 4;
-  const double contrast = 1.0 / std::sqrt(static_cast<double>(block) * paired);
+  const double contrast = ContrastScale(block);
   std::vector<BlockWeights> weights(block);
   int signs = 0;
   for (int k = block - 1; k >= 0; --k) {
     weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
-    if (k < paired) signs += (k & 3) == 0 || (k & 3) == 3 ? 1 : -1;
+    signs += ContrastSign(k, block);
   }
   return weights;
 }
@@ -153,8 +152,7 @@ void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
 
 void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
   const int m = window_.block, lead = stretch.continues ? 1 : 0;
-  const int paired = m / 4 * 4;
-  const double contrast = 1.0 / std::sqrt(static_cast<double>(m) * paired);
+  const double contrast = ContrastScale(m);
   const std::span<double> values(increments_.data(), stretch.samples);
   for (int c = 0; c < model_->column_count(); ++c) {
     model_->columns[c].fill(stretch, column_state_[c], values);
@@ -163,7 +161,7 @@ void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
       double sum = 0, signs = 0;
       for (int k = 0; k < m; ++k) {
         sum += x[k];
-        if (k < paired) signs += ((k & 3) == 0 || (k & 3) == 3) ? x[k] : -x[k];
+        signs += ContrastSign(k, m) * x[k];
       }
       level_(c, history_ + b) = out_.integral(c, b) = sum / m;
       out_.noise(c, b) = signs * contrast;

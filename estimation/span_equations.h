@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,6 +59,15 @@ struct WindowSamples {
   /// that a random walk gains per block: means of h blocks, h blocks apart, then differ by 2/3 h walk.
   double FlowNoiseVariance(double white, double walk) const;
 };
+
+/// Sign of row `k` of a block of `rows` in the contrast that tells its noise: + - - + over each four rows, of which a line leaves
+/// nothing; 0 for those behind the last whole four.
+inline int ContrastSign(int k, int rows) {
+  if (k >= rows / 4 * 4) return 0;
+  return (k & 3) == 0 || (k & 3) == 3 ? 1 : -1;
+}
+/// By what the sum of the signed rows is multiplied to vary with white noise as the mean of the block does.
+inline double ContrastScale(int rows) { return 1.0 / std::sqrt(static_cast<double>(rows) * (rows / 4 * 4)); }
 
 /// Weights of one increment of a block: mean, alternating signs, rise; four lanes, the last one unused.
 typedef double BlockWeights __attribute__((vector_size(32)));

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "host/real_clock.h"
+#include "live/slow_disk_fixture.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
-#include "storage/slow_disk.h"
 
 namespace hydroscope {
 namespace {
@@ -73,7 +73,7 @@ class LiveWriterTest : public testing::Test {
   }
 
   static constexpr std::int64_t kStepsToACheckpoint = 128;
-  storage_test::SlowDisk disk_;  // outlives the writer's connections
+  SlowDisk disk_;  // outlives the writer's connections
   const std::string folder_ = fmt::format("{}writer_{}", testing::TempDir(), getpid());
   const std::string path_ = folder_ + "/press.db";
   std::unique_ptr<LiveWriter> writer_;

@@ -13,8 +13,8 @@ constexpr std::size_t kMostOverlays = 512;
 }  // namespace
 
 void StrokeOverlays::AddFlows(const SpanEquations& equations) {
-  if (pipeline_.discarded_strokes() !=
-      discarded_) {  // what was collected belongs to a stroke that was too short
+  // What was collected belongs to a stroke that was too short.
+  if (pipeline_.discarded_strokes() != discarded_) {
     discarded_ = pipeline_.discarded_strokes();
     time_.clear();
     flows_.clear();

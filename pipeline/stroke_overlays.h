@@ -18,8 +18,8 @@ struct StrokeOverlay {
   std::vector<double> extended;  ///< SI, with the effects that were found; empty without any
   std::string label;             ///< "median error", "largest error"
   double noise_floor = 0;        ///< SI, rms that sensor noise alone would cause
-  std::string output = "flow";   ///< what is compared, and the unit people read it in
-  DisplayUnit unit = DisplayUnitFor("m3/s");
+  std::string output;            ///< what is compared, and the unit people read it in
+  DisplayUnit unit;
 };
 
 /// Collects measured and modelled output of strokes while a log passes the pipeline, for the report's overlay.

@@ -3,35 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/constants.h"
 #include "replay/retimed_reader.h"
 
 namespace hydroscope {
 namespace {
-
-/// The row before the present one.
-class RowBefore {
- public:
-  /// Whether a row of `block` has its time stamp, and whether it has all its readings; then that row is the one before.
-  struct Likeness {
-    bool stamp = false, readings = false;
-  };
-  Likeness Compare(const SampleBlock& block, std::size_t row) {
-    Likeness like{.stamp = block.time[row] == time_, .readings = true};
-    time_ = block.time[row];
-    values_.resize(block.signal.size(), kNaN);
-    for (std::size_t s = 0; s < values_.size(); ++s) {
-      const double value = block.signal[s][row];
-      like.readings = like.readings && (value == values_[s] || (std::isnan(value) && std::isnan(values_[s])));
-      values_[s] = value;
-    }
-    return like;
-  }
-
- private:
-  double time_ = kNaN;  ///< s
-  std::vector<double> values_;
-};
 
 class OnceReader : public RetimedReader {
  public:
@@ -40,10 +15,7 @@ class OnceReader : public RetimedReader {
 
  private:
   void Retime(SampleBlock& block) override {
-    KeepRows(block, [&](std::size_t row) {
-      const auto like = before_.Compare(block, row);
-      return !(like.stamp && like.readings);
-    });
+    KeepRows(block, [&](std::size_t row) { return !before_.Compare(block, row).copy; });
   }
 
   RowBefore before_;
@@ -51,15 +23,28 @@ class OnceReader : public RetimedReader {
 
 }  // namespace
 
+RowBefore::Likeness RowBefore::Compare(const SampleBlock& block, std::size_t row) {
+  const bool stamp = block.time[row] == time_;
+  bool readings = true;
+  time_ = block.time[row];
+  values_.resize(block.signal.size(), kNaN);
+  for (std::size_t s = 0; s < values_.size(); ++s) {
+    const double value = block.signal[s][row];
+    readings = readings && (value == values_[s] || (std::isnan(value) && std::isnan(values_[s])));
+    values_[s] = value;
+  }
+  return {stamp, stamp && readings};
+}
+
 std::optional<CopiedRows> FindCopiedRows(const SampleBlock& head) {
   RowBefore before;
   int repeated = 0, copies = 0;
   for (std::size_t row = 0; row < head.rows(); ++row) {
     const auto like = before.Compare(head, row);
     repeated += like.stamp;
-    copies += like.stamp && like.readings;
+    copies += like.copy;
   }
-  if (copies == 0 || 2 * copies <= repeated) return std::nullopt;
+  if (copies <= kMostlyCopies * repeated) return std::nullopt;
   CopiedRows copied;
   copied.period = SamplePeriodOf(head.time);
   if (!(copied.period > 0)) return std::nullopt;

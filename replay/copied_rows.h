@@ -2,11 +2,33 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "core/constants.h"
+#include "core/sample_block.h"
 #include "core/told.h"
 #include "replay/log_reader.h"
 
 namespace hydroscope {
+
+/// Of rows that repeat the stamp before: where more than this share has its readings too, a logger wrote them twice; where fewer have,
+/// stamps are coarser than rows.
+inline constexpr double kMostlyCopies = 0.5;
+
+/// The row before the present one.
+class RowBefore {
+ public:
+  struct Likeness {
+    bool stamp = false;
+    bool copy = false;  ///< stamp and all readings
+  };
+  /// What a row of `block` has of the row before; then it is that row.
+  Likeness Compare(const SampleBlock& block, std::size_t row);
+
+ private:
+  double time_ = kNaN;  ///< s
+  std::vector<double> values_;
+};
 
 /// Rows that a logger wrote twice: time stamp and readings of the row before once more, which are no rows of their own.
 struct CopiedRows {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "replay/copied_rows.h"
 #include "replay/retimed_reader.h"
 #include "replay/time_check.h"
 
@@ -12,8 +13,6 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 1000;
 constexpr std::size_t kMostRows = 5'000'000;  // whose stamps are remembered, 40 MB
-// Of rows that repeat the stamp before: so many may have its readings too, which are no rows of their own.
-constexpr double kLargestShareOfCopies = 0.5;
 // Steps that differ by more from the middle one, and their share from which on stamps jitter.
 constexpr double kUnevenStep = 0.15, kUnevenShare = 0.2;
 constexpr double kNoJitter = 5.0;  // middle steps, from which on rows are missing
@@ -51,7 +50,7 @@ class Stamps {
   const std::vector<double>& times() const { return times_; }
   bool Coarse() const {
     const auto rows = static_cast<double>(times_.size());
-    return repeated_ >= kCoarseShare * rows && copies_ <= kLargestShareOfCopies * repeated_;
+    return repeated_ >= kCoarseShare * rows && copies_ <= kMostlyCopies * repeated_;
   }
   bool Jitter() const {
     const double middle = SamplePeriodOf(times_);
@@ -80,21 +79,21 @@ class Stamps {
     const std::size_t rows = times_.size();
     const double step = rows > 1 ? times_[rows - 1] - times_[rows - 2] : kNaN;
     const double next = rows > 0 ? t - times_[rows - 1] : kNaN;
-    bool copy = next == 0;
     for (std::size_t s = 0; s < block.signal.size(); ++s) {
       const double value = block.quality[s][row] & quality::kMissing ? kNaN : block.signal[s][row];
       if (step > 0 && next > 0 && next < 3 * step && step < 3 * next)
         smooth_[s].Add(before_[s], at_[s], value, step, next);
-      copy = copy && value == at_[s];
       before_[s] = at_[s];
       at_[s] = value;
     }
-    repeated_ += next == 0;
-    copies_ += copy;
+    const auto like = before_row_.Compare(block, row);
+    repeated_ += like.stamp;
+    copies_ += like.copy;
     times_.push_back(t);
   }
 
-  std::vector<double> times_;         ///< s
+  std::vector<double> times_;  ///< s
+  RowBefore before_row_;
   std::vector<double> before_, at_;   ///< values of the last two rows
   std::vector<Smoothness> smooth_;    ///< per channel
   double repeated_ = 0, copies_ = 0;  ///< rows with the stamp of the row before; those with its values too

@@ -45,8 +45,8 @@ class LogReader {
 };
 
 /// Opens a CSV (plain or .gz) or MAT (v4 to v7.3) log with the columns, units, scales and offsets of `machine`. Rows that a
-/// logger repeats (replay/held_rows.h) or writes twice (replay/copied_rows.h) are left out, and rows whose stamps are coarse or jitter get even times where they have
-/// them (replay/even_rows.h). Missing column: an error that lists the columns found and suggests the nearest.
+/// logger repeats (replay/held_rows.h) or writes twice (replay/copied_rows.h) are left out, and rows whose stamps are coarse or
+/// jitter get even times where they have them (replay/even_rows.h). Missing column: an error that lists the columns found and suggests the nearest.
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine);
 
 }  // namespace hydroscope

@@ -193,8 +193,7 @@ Status MatColumns::Reserve(const matvar_t& variable) {
   if (may_hold_ >= 0) return {};
   return BadInput(Tell(
       "log '{}': variable '{}' of the MAT file unpacks to {:.0f} MB, more than measurements in a file of this size",
-      "Log '{}': die Variable '{}' der MAT-Datei wird entpackt {:.0f} MB groß, mehr als Messwerte in einer Datei "
-      "dieser Größe",
+      "Log '{}': die Variable '{}' der MAT-Datei wird entpackt {:.0f} MB groß, mehr als Messwerte in so einer Datei",
       path_, variable.name, bytes / 1e6));
 }
 

@@ -156,7 +156,7 @@ template <typename Advance>
 void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Advance advance) const {
   rows.means.setZero(blocks, features);
   rows.noise.setZero(blocks, features);
-  const int paired = window_.block / 4 * 4;
+  const double contrast = ContrastScale(window_.block);
   std::vector<double> level(features, 0.0), sum(features, 0.0), signs(features, 0.0);
   for (int k = 0; !model_.level_form && k < lead_; ++k) advance(k, level.data());
   for (int b = 0; b < blocks; ++b) {
@@ -164,15 +164,16 @@ void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Advan
     std::fill(signs.begin(), signs.end(), 0.0);
     for (int row = 0; row < window_.block; ++row) {
       const int k = lead_ + b * window_.block + row;
-      const double sign = row >= paired ? 0.0 : (row & 3) == 0 || (row & 3) == 3 ? 1.0 : -1.0;
+      const double sign = ContrastSign(row, window_.block);
       if (model_.level_form) advance(k, level.data());
-      for (int f = 0; f < features; ++f) sum[f] += level[f];
-      for (int f = 0; f < features; ++f) signs[f] += sign * level[f];
+      for (int f = 0; f < features; ++f) {
+        sum[f] += level[f];
+        signs[f] += sign * level[f];
+      }
       if (!model_.level_form) advance(k, level.data());
     }
     for (int f = 0; f < features; ++f) rows.means(b, f) = sum[f] / window_.block;
-    for (int f = 0; f < features; ++f)
-      rows.noise(b, f) = signs[f] / std::sqrt(static_cast<double>(window_.block) * paired);
+    for (int f = 0; f < features; ++f) rows.noise(b, f) = contrast * signs[f];
   }
   if (model_.level_form) return;
   rows.means.rowwise() -= rows.means.colwise().mean().eval();

@@ -18,8 +18,8 @@ constexpr std::uint64_t kFlipSeed = 20250101;
 constexpr std::size_t kLeastGroups = 5;  ///< 2^5 signs and fewer have no p-value of use
 constexpr double kLeastEnergy = 1e-12;   ///< of a feature over the largest of its bank: less is rounding
 
-/// Sums of products of one group: features, regressors of the model, residual (last column of z; its products with the others are
-/// without noise).
+/// Sums of products of one group: features f; z are regressors of the model and at last the residual, whose products with all others
+/// are without noise.
 struct GroupGram {
   Eigen::MatrixXd ff, fz, zz;
   double rows = 0;  ///< equations

@@ -223,7 +223,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
   out.explanation = std::move(judged.explanation);
   out.trust = std::move(judged.trust);
-  if (!out.explanation.base.solved) return BadInput(NotExcited(*model, out.log.Grams(), out.log.window));
+  if (!out.explanation.base.solved) return BadInput(WhyNotSolved(*model, out.log.Grams(), out.log.window));
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,

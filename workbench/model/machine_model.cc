@@ -131,7 +131,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
                           choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window),
                           log.window);
   out.fit = strokes.Fit(choices);
-  if (!out.fit.solved) return BadInput(NotExcited(*structure, UsedGrams(log), log.window));
+  if (!out.fit.solved) return BadInput(WhyNotSolved(*structure, UsedGrams(log), log.window));
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   strokes.Widen(choices, out.fit);

@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-namespace hydroscope::storage_test {
+namespace hydroscope {
 
 /// A disk that takes its time: while one is `Hold`ing, who waits until a database file is safely on it waits on. Write-ahead
 /// logs are as quick as ever. Concerns the databases that this process opens while the object lives, of which there is one.
@@ -60,4 +60,4 @@ class SlowDisk {
   std::atomic<int> waiting_ = 0;
 };
 
-}  // namespace hydroscope::storage_test
+}  // namespace hydroscope
