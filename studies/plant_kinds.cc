@@ -51,13 +51,18 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
     const char* channels[] = {"p_A", "z", "y_v"};
     s.channel = channels[random() % 3];
   }
+  if (s.kind == "pressure_offset_temperature") s.extra["set_at"] = Between(random, 288, 303);
+  if (s.kind == "pressure_crosstalk") s.channel = Uniform(random) < 0.5 ? "y_v" : "U_v";
+  if (s.kind == "displacement_gain_temperature") s.channel = Uniform(random) < 0.5 ? "y_v" : "z";
   if (s.kind == "time_jitter") s.size = Between(random, 0.05, 0.4);
 }
 
 /// Signed sizes of kinds that go both ways.
 bool GoesBothWays(const std::string& kind) {
   return kind.ends_with("_drift") || kind == "Q_vn_step" || kind == "pressure_zero" ||
-         kind.starts_with("pressure_gain") || kind == "wrong_area" || kind == "spool_nonlinearity" ||
+         kind.starts_with("pressure_gain") || kind == "pressure_offset_temperature" ||
+         kind == "pressure_crosstalk" || kind == "displacement_gain_temperature" ||
+         kind == "spool_null_temperature" || kind == "wrong_area" || kind == "spool_nonlinearity" ||
          kind == "bad_stretch" || kind == "exponential_viscosity";
 }
 
@@ -114,6 +119,10 @@ const std::vector<PlantKind>& PlantKinds() {
       {"Q_vn_step", kRelative, {"Q_vn_drift"}},
       {"pressure_gain", kLibrary, {"pressure_gain"}},
       {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}},
+      {"pressure_offset_temperature", kLibrary, {"pressure_offset_temperature"}},
+      {"pressure_crosstalk", kLibrary, {"pressure_crosstalk"}},
+      {"displacement_gain_temperature", kLibrary, {"displacement_gain_temperature"}},
+      {"spool_null_temperature", kLibrary, {"spool_null_temperature"}},
       {"pressure_zero", kLibrary, {"pressure_offset"}},
       {"spool_nonlinearity", kLibrary, {"spool_nonlinearity"}},
       {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}},

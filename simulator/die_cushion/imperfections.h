@@ -10,6 +10,9 @@
 
 namespace hydroscope {
 
+/// K, 40 degC, at which what follows the oil is as it should be.
+inline constexpr double kWarmOil = 313.15;
+
 /// What a plant has and a clean simulation lacks. Names of the command line: kPressImperfections.
 enum class ImperfectionKind {
   // The machine
@@ -26,6 +29,7 @@ enum class ImperfectionKind {
   kFlowGainDrift,
   kFlowGainStep,
   kSpoolZeroDrift,
+  kSpoolZeroTemperature,
   kIntermittentLeakage,
   kIntermittentEffects,
   kLeakyStretch,
@@ -44,6 +48,9 @@ enum class ImperfectionKind {
   kPressureGain,
   kPressureGainTemperature,
   kPressureZeroDrift,
+  kPressureZeroTemperature,
+  kPressureCrosstalk,
+  kDisplacementGainTemperature,
   kSpoolBend,
   kSensorHum,
   kBadStretch,

@@ -226,6 +226,7 @@ TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
   EXPECT_DOUBLE_EQ(step.At(29, 313, 0).gain, 1.02);
   EXPECT_DOUBLE_EQ(step.At(31, 313, 0).gain, 1);
   EXPECT_DOUBLE_EQ(MomentsOf({"y_0_drift", 0.002, {}, ""}, 60).At(30, 313, 0).y_0_shift, 0.001);
+  EXPECT_NEAR(MomentsOf({"spool_null_temperature", 2e-4, {}, ""}, 60).At(30, 323.15, 0).y_0_shift, 0.002, 1e-15);
 }
 
 TEST(Imperfections, ViscosityMayFallExponentially) {
@@ -318,16 +319,34 @@ TEST(Imperfections, ThePressureReadsWithGainZeroDriftAndHum) {
   };
   const std::vector<double> gain = read("pressure_gain", 0.02), zero = read("pressure_zero", 4e5),
                             warm = read("pressure_gain_temperature", 0.001),
+                            warm_zero = read("pressure_offset_temperature", 2e4, {{"set_at", 300}}),
+                            of_spool = read("pressure_crosstalk", 2e5),
                             drift = read("pressure_offset_drift", 4e5),
                             bad = read("bad_stretch", 10e5, {{"begin", 0.5}, {"length", 0.25}}),
                             hum = read("sensor_hum", 1e5, {{"frequency", 12.5}, {"phase", 0}});
   for (std::size_t k = 0; k < clean.rows(); ++k) {
     ASSERT_NEAR(gain[k], 1.02 * clean.p_A[k], 1e-3);
     ASSERT_NEAR(warm[k], (1 + 0.001 * (clean.T_oil[k] - 313.15)) * clean.p_A[k], 1e-3);
+    ASSERT_NEAR(warm_zero[k], clean.p_A[k] + 2e4 * (clean.T_oil[k] - 300), 1e-3);
+    ASSERT_NEAR(of_spool[k], clean.p_A[k] + 2e5 * clean.y_v[k], 1e-3);
     ASSERT_NEAR(zero[k], clean.p_A[k] + 4e5, 1e-3);
     ASSERT_NEAR(drift[k], clean.p_A[k] + 4e5 * clean.t[k] / 12, 1e-3);
     ASSERT_NEAR(bad[k], clean.p_A[k] + (k >= 3000 && k < 4500 ? 10e5 : 0), 1e-3);
     ASSERT_NEAR(hum[k], clean.p_A[k] + 1e5 * std::sin(2 * std::numbers::pi * 12.5 * clean.t[k]), 1e-3);
+  }
+}
+
+TEST(Imperfections, DisplacementsAndCrosstalkGoWithTheirChannel) {
+  PressOptions options = Plain();
+  options.noise = {0, 0, 0, 0, 0, 0, 0, 0};
+  const SimulatedLog clean = SimulatePress(options);
+  options.imperfections = {{"displacement_gain_temperature", 1e-3, {}, "y_v"},
+                           {"pressure_crosstalk", 2e5, {}, "U_v"}};
+  const SimulatedLog log = SimulatePress(options);
+  EXPECT_EQ(log.z, clean.z);
+  for (std::size_t k = 0; k < clean.rows(); ++k) {
+    ASSERT_NEAR(log.y_v[k], clean.y_v[k] * (1 + 1e-3 * (clean.T_oil[k] - 313.15)), 1e-12);
+    ASSERT_NEAR(log.p_A[k], clean.p_A[k] + 2e5 * clean.U_v[k] / 10, 1e-3);
   }
 }
 

@@ -116,6 +116,9 @@ PlantMoments::Moment PlantMoments::At(double t, double temperature, std::int64_t
       case kSpoolZeroDrift:
         moment.y_0_shift += one.size * part;
         break;
+      case kSpoolZeroTemperature:
+        moment.y_0_shift += one.size * (temperature - kWarmOil);
+        break;
       case kLeakageTemperature:
         moment.leakage += one.size * std::exp(one.extras[0] * (temperature - one.extras[1]));
         break;

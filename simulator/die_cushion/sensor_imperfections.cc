@@ -11,9 +11,11 @@ namespace {
 
 using enum ImperfectionKind;
 
-constexpr double kWarmOil = 313.15;    // K, 40 degC, at which a sensor that follows the oil is right
 constexpr double kColourTime = 0.002;  // s, after which coloured noise is correlated by phi
 constexpr int kChannels = static_cast<int>(kPressChannels.size());
+
+/// What a reading of full scale is, in its unit.
+double FullScale(int channel) { return kPressChannels[static_cast<std::size_t>(channel)] == "U_v" ? 10.0 : 1.0; }
 
 bool ActsOn(const Imperfection& one, int channel) { return !one.channel || *one.channel == channel; }
 
@@ -59,6 +61,17 @@ void SensorImperfections::Distort(PressRow& row) {
         break;
       case kPressureZeroDrift:
         row.p_A += one.size * part;
+        break;
+      case kPressureZeroTemperature:
+        row.p_A += one.size * (row.T_oil - one.extras[0]);
+        break;
+      case kPressureCrosstalk:
+        ForChannels(active, row, [&, read = row.p_A](int k, double& value) {
+          row.p_A = read + one.size * value / FullScale(k);
+        });
+        break;
+      case kDisplacementGainTemperature:
+        ForChannels(active, row, [&](int, double& value) { value *= 1 + one.size * (row.T_oil - kWarmOil); });
         break;
       case kSpoolBend:
         row.y_v += one.size * row.y_v * std::pow(std::abs(row.y_v), one.extras[0] - 1);

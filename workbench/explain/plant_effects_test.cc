@@ -36,6 +36,10 @@ std::vector<PlantCase> PlantCases() {
           {"leakage_temperature", 4e-12, 4e-12},
           {"supply_leakage", 1e-8, 1e-8},
           {"pressure_gain_temperature", 3e-4, 3e-4},
+          {"pressure_offset_temperature", 3e4, 3e4},
+          {"pressure_crosstalk", 3e5, 3e5},
+          {"displacement_gain_temperature", 3e-4, -3e-4},
+          {"spool_null_temperature", 2e-4, 2e-4},
           {"periodic_disturbance", 2e-5, 2e-5},
           {"K_drift", -0.20, RateOfReciprocal(-0.20)},
           {"V0_drift", 0.30, 0.30 / kSeconds},
@@ -51,7 +55,7 @@ PressOptions OptionsFor(const PlantCase& plant) {
   PressOptions options;
   options.seconds = kSeconds;
   options.seed = plant.seed;
-  if (plant.id == "leakage_temperature" || plant.id == "pressure_gain_temperature") {
+  if (plant.id.ends_with("_temperature")) {
     options.oil_start = 300.15;
     options.oil_end = 325.15;
   }

@@ -42,6 +42,10 @@
   _(SpoolNonlinearity)               \
   _(PressureGain)                    \
   _(PressureGainTemperature)         \
+  _(PressureOffsetTemperature)       \
+  _(PressureCrosstalk)               \
+  _(DisplacementGainTemperature)     \
+  _(SpoolNullTemperature)            \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
   _(SpoolSignalLag)                  \

@@ -1,6 +1,4 @@
-#include "machines/die_cushion/effects/effects.h"
-#include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
+#include "machines/die_cushion/effects/misread_pressure.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -23,7 +21,7 @@ Effect PressureGainTemperature(const CushionGeometry&) {
   e.max = 0.001;
   e.typical = 0.0003;
   e.family = {"the pressure reading goes with the temperature", "die Druckanzeige geht mit der Temperatur"};
-  e.confused_with = {"oil_viscosity", "pressure_offset_drift"};
+  e.confused_with = {"oil_viscosity", "pressure_offset_drift", "pressure_offset_temperature"};
   e.twins = {{"oil_viscosity"}};
   e.hidden_in = "Q_vn";
   e.plain =
@@ -42,31 +40,10 @@ Effect PressureGainTemperature(const CushionGeometry&) {
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastSensorWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;
   e.variant = [](const auto&) {
-    constexpr double kUnit = 1e-4;  // 1/K, over which the root is differenced
-    const auto shift = [](double root, double y, double p, double t) {
-      return RootShift(root, y, kUnit * (t - kStatedAt) * p) * (1.0 / kUnit);
-    };
-    const auto flow = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * shift(root[k], y[k], p[k], t[k]); }, out);
-    };
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::Differences(
-          s, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *z = s[kPosition], *t = s[kOilTemperature];
-      wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
-    };
-    const auto null = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return shift(root[k], y[k], p[k], t[k]); }, out);
-    };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
+    constexpr double kUnit = 1e-4;  // 1/K
+    return MisreadPressure(kUnit, [](const Stretch& s) {
+      return [p = s[kPressureA], t = s[kOilTemperature]](int k) { return p[k] * (t[k] - kStatedAt); };
+    });
   };
   return e;
 }

@@ -1,6 +1,4 @@
-#include "machines/die_cushion/effects/effects.h"
-#include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
+#include "machines/die_cushion/effects/misread_pressure.h"
 
 namespace hydroscope::effects {
 
@@ -20,7 +18,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.nonlinear = {{"rate", "Pa/s", -1e5, 1e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
   e.family = {"the pressure reading wanders", "die Druckanzeige wandert"};
-  e.confused_with = {"y_0_drift", "Q_vn_drift"};
+  e.confused_with = {"y_0_drift", "Q_vn_drift", "pressure_offset_temperature"};
   e.hidden_in = "-";
   e.plain =
       "The zero of the pressure sensor wanders while the machine runs; look for: a sensor that warms up, a "
@@ -36,28 +34,8 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.drifts_by = "Pa";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
-    };
-    const auto null = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
-    };
-    // A zero that moves looks like a pressure that does: small, and yet part of the balance.
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* t = s[kTime];
-      Differences(
-          s, [=](int k) { return -t[k]; }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* z = s[kPosition];
-      IntegrateOverTime(
-          s, [=](int k) { return -z[k]; }, out);
-    };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
+    return MisreadPressure(nonlinear[0],
+                           [](const Stretch& s) { return [t = s[kTime]](int k) { return t[k]; }; });
   };
   e.correct = [](double rate, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];
