@@ -134,6 +134,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   const auto pass = PassLog(**reader, machine, pipeline->get(), "reading");
   if (!pass) return tl::unexpected(pass.error());
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
+  if (!pass->no_verdict.empty()) return BadInput(Tell("{}: {}", "{}: {}", log, pass->no_verdict));
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
   // Where too few strokes for a verdict are left, the time stamps may be the cause.
@@ -141,6 +142,8 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
       out.strokes.size() < kMinExplainStrokes && !coarse.empty())
     return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
+  for (const ReadingFaults::Echo& echo : out.echoes = pass->echoes)
+    out.notes.push_back(log + ": " + echo.Sentence().english);
   return out;
 }
 
@@ -159,6 +162,7 @@ void Append(LogStrokes next, LogStrokes& all) {
   for (StrokeStretches& stretches : next.stretches) all.stretches.push_back(std::move(stretches));
   Add(next.totals, all.totals);
   all.notes.insert(all.notes.end(), next.notes.begin(), next.notes.end());
+  all.echoes.insert(all.echoes.end(), next.echoes.begin(), next.echoes.end());
   all.discarded_strokes += next.discarded_strokes;
   all.reader.rows += next.reader.rows;
   all.reader.rejected_rows += next.reader.rejected_rows;

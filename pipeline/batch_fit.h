@@ -10,6 +10,7 @@
 #include "models/machine.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/reading_faults.h"
 #include "replay/log_reader.h"
 
 namespace hydroscope {
@@ -24,7 +25,8 @@ struct LogStrokes {
   LogCounters reader;
   WindowSamples window;
   std::shared_ptr<const ModelStructure> model;
-  std::vector<std::string> notes;          ///< what should be known of the logs, one sentence each
+  std::vector<std::string> notes;  ///< what should be known of the logs, one sentence each
+  std::vector<ReadingFaults::Echo> echoes;
   std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 
   std::vector<StrokeGram> Grams() const;

@@ -54,6 +54,11 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   QualityMonitor monitor(machine, reader.SamplePeriod());
   std::optional<RepeatedRows> repeated;
   if (hooks.look_for_copies) repeated.emplace(machine.signals.size());
+  ReadingFaults faults(machine, reader.SamplePeriod());
+  const auto pass_on = [&](const SampleBlock& block) {
+    faults.Observe(block, monitor.channels());
+    return PassBlock(block, pipeline, hooks);
+  };
   ProgressBar progress(what, "rows");
   SampleBlock block;
   for (;;) {
@@ -65,16 +70,17 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
     if (*rows == 0) break;
     if (repeated) repeated->Flag(block);
     monitor.Inspect(block);
-    if (const Status passed = PassBlock(block, pipeline, hooks); !passed)
-      return tl::unexpected(passed.error());
+    if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
     progress.Update(reader.Progress(), reader.counters().rows);
   }
   monitor.Flush(block);
-  if (const Status passed = PassBlock(block, pipeline, hooks); !passed) return tl::unexpected(passed.error());
+  if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
   if (pipeline) pipeline->Finish();
   TakeChannels(monitor, machine, pass);
   TakeCounters(reader, pipeline, pass.summary);
   if (repeated) pass.copied_rows = repeated->copies();
+  pass.no_verdict = faults.NoVerdict();
+  pass.echoes = faults.Echoes();
   return pass;
 }
 

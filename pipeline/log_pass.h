@@ -6,6 +6,7 @@
 
 #include "acquisition/quality_monitor.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/reading_faults.h"
 #include "pipeline/run_summary.h"
 #include "replay/log_reader.h"
 
@@ -16,6 +17,8 @@ struct LogPass {
   RunSummary summary;
   std::vector<ChannelQuality> channels;  ///< one per signal of the machine
   std::int64_t copied_rows = 0;          ///< flagged as repeating earlier ones (acquisition/repeated_rows.h)
+  Told no_verdict;                       ///< ReadingFaults::NoVerdict
+  std::vector<ReadingFaults::Echo> echoes;
 };
 
 struct LogPassHooks {

@@ -1,8 +1,11 @@
 #include "pipeline/log_pass.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "studies/simulated_strokes.h"
 
@@ -59,6 +62,52 @@ TEST(LogPass, RowsThatWereWrittenTwiceAreNoFurtherEvidence) {
   EXPECT_NEAR(static_cast<double>(pass_of(true).copied_rows), 10000, 40);
   EXPECT_GT(pass_of(true).summary.flagged.at("p_A").at("duplicate"), 9900);
   EXPECT_EQ(pass_of(false).copied_rows, 0) << "as the live service";
+}
+
+/// Reads a press whose rows went through `change`.
+LogPass PassOf(const std::function<void(SimulatedLog&)>& change) {
+  PressOptions options;
+  options.seconds = 40;
+  const Machine machine = MachineFor(options);
+  SimulatedLog log = SimulatePress(options);
+  change(log);
+  RowsReader reader(RowsOf(log, machine), options.sample_period);
+  return *PassLog(reader, machine, nullptr, "reading");
+}
+
+TEST(LogPass, APositionWhoseCounterOverflowsCarriesNoVerdict) {
+  const LogPass pass = PassOf([](SimulatedLog& log) {
+    for (double& z : log.z) z -= 0.065536 * std::floor(z / 0.065536);
+  });
+  EXPECT_THAT(pass.no_verdict.english, testing::HasSubstr("signal z (column z) jumps"));
+  EXPECT_THAT(pass.no_verdict.german, testing::HasSubstr("ein Zähler, der überläuft"));
+}
+
+TEST(LogPass, PositionsThatAreSetAnewOnceOrHeldByTheLoggerOrOffInSingleRowsAreJudged) {
+  const auto nothing = [](SimulatedLog&) {};
+  const auto set_anew = [](SimulatedLog& log) {
+    for (std::size_t k = log.rows() / 2; k < log.rows(); ++k) log.z[k] += 0.02;
+  };
+  const auto held = [](SimulatedLog& log) {
+    for (std::size_t k = 0; k < log.rows(); ++k) log.z[k] = log.z[k - k % 10];
+  };
+  const auto off = [](SimulatedLog& log) {
+    for (std::size_t k = 0; k < log.rows(); k += 500) log.z[k] = 0;
+  };
+  for (const std::function<void(SimulatedLog&)>& change :
+       std::vector<std::function<void(SimulatedLog&)>>{nothing, set_anew, held, off}) {
+    const LogPass pass = PassOf(change);
+    EXPECT_EQ(pass.no_verdict.english, "");
+    EXPECT_TRUE(pass.echoes.empty());
+  }
+}
+
+TEST(LogPass, ASpoolThatRepeatsItsCommandIsNotMeasured) {
+  const LogPass pass = PassOf([](SimulatedLog& log) {
+    for (std::size_t k = 0; k < log.rows(); ++k) log.y_v[k] = 0.01 + 0.1 * log.U_v[k];
+  });
+  ASSERT_EQ(pass.echoes.size(), 1U);
+  EXPECT_THAT(pass.echoes.front().Sentence().english, testing::HasSubstr("y_v repeats U_v"));
 }
 
 }  // namespace

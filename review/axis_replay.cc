@@ -235,6 +235,9 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary = std::move(pass->summary);
   const LogTrust trust = first.Judge(pipeline);
   replay.summary.warnings = trust.Warnings();
+  if (!pass->no_verdict.empty()) replay.summary.warnings.push_back(pass->no_verdict.english);
+  for (const ReadingFaults::Echo& echo : pass->echoes)
+    replay.summary.warnings.push_back(echo.Sentence().english);
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(
         fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,

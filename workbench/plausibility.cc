@@ -140,6 +140,11 @@ void JudgeCopies(const CheckResult& check, std::vector<Told>& hints) {
       check.pass.copied_rows));
 }
 
+void JudgeFaults(const LogPass& pass, std::vector<Told>& hints) {
+  if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
+  for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
+}
+
 /// Without strokes, a signal that is hardly ever good explains more than the gate.
 void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<Told>& hints) {
   if (check.driving.strokes > 0 || !signal.spec.required || check.time.rows == 0) return;
@@ -193,6 +198,7 @@ std::vector<Told> PlausibilityHints(const CheckResult& check) {
     JudgeGood(check, signal, hints);
   }
   JudgeCopies(check, hints);
+  JudgeFaults(check.pass, hints);
   JudgeGate(check, hints);
   JudgeVariety(check.driving, hints);
   return hints;

@@ -226,7 +226,8 @@ TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
   EXPECT_DOUBLE_EQ(step.At(29, 313, 0).gain, 1.02);
   EXPECT_DOUBLE_EQ(step.At(31, 313, 0).gain, 1);
   EXPECT_DOUBLE_EQ(MomentsOf({"y_0_drift", 0.002, {}, ""}, 60).At(30, 313, 0).y_0_shift, 0.001);
-  EXPECT_NEAR(MomentsOf({"spool_null_temperature", 2e-4, {}, ""}, 60).At(30, 323.15, 0).y_0_shift, 0.002, 1e-15);
+  EXPECT_NEAR(MomentsOf({"spool_null_temperature", 2e-4, {}, ""}, 60).At(30, 323.15, 0).y_0_shift, 0.002,
+              1e-15);
 }
 
 TEST(Imperfections, ViscosityMayFallExponentially) {

@@ -15,7 +15,9 @@ constexpr double kColourTime = 0.002;  // s, after which coloured noise is corre
 constexpr int kChannels = static_cast<int>(kPressChannels.size());
 
 /// What a reading of full scale is, in its unit.
-double FullScale(int channel) { return kPressChannels[static_cast<std::size_t>(channel)] == "U_v" ? 10.0 : 1.0; }
+double FullScale(int channel) {
+  return kPressChannels[static_cast<std::size_t>(channel)] == "U_v" ? 10.0 : 1.0;
+}
 
 bool ActsOn(const Imperfection& one, int channel) { return !one.channel || *one.channel == channel; }
 

@@ -124,6 +124,18 @@ void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
   }
 }
 
+/// What a valve itself does between its command and its spool is no delay of a signal.
+void DoubtForEcho(const LogStrokes& log, Explanation& x) {
+  if (x.set.empty() || log.echoes.empty()) return;
+  const bool late = std::any_of(x.model->effects.begin(), x.model->effects.end(), [&](const auto& effect) {
+    return effect->correct && effect->unit == "s" &&
+           std::find(x.set.begin(), x.set.end(), effect->id) != x.set.end();
+  });
+  if (!late) return;
+  x.partial = true;
+  x.doubt = log.echoes.front().Sentence();
+}
+
 }  // namespace
 
 Told TooFewForVerdict(std::size_t strokes, const CountedWords& counted) {
@@ -202,6 +214,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   DoubtForUntried(log, out.explanation);
   DoubtForInterpolated(floor, out.explanation);
+  DoubtForEcho(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.

@@ -3,7 +3,8 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeastZeroWarming = 2.0;  // K; over less, five times the typical size moves the zero by 0.5 bar
+constexpr double kLeastZeroWarming =
+    2.0;  // K; over less, five times the typical size moves the zero by 0.5 bar
 
 }  // namespace
 
@@ -32,7 +33,8 @@ Effect PressureOffsetTemperature(const CushionGeometry&) {
       "Der Nullpunkt des Drucksensors wandert mit der Erwärmung; zu suchen: ein Sensor an heißem Öl, einer außerhalb seines "
       "kompensierten Bereichs, einer mit viel größerem Messbereich als nötig.",
       "der Drucksensor bei entlastetem Kissen, mit kaltem und mit warmem Öl: beide Werte müssen null sein"};
-  e.told_apart_by = "the pressure sensor with the cushion relieved, with cold and with warm oil: both readings must be zero";
+  e.told_apart_by =
+      "the pressure sensor with the cushion relieved, with cold and with warm oil: both readings must be zero";
   e.channels = {kOilTemperature};
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastZeroWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;

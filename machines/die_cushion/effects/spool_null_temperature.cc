@@ -4,7 +4,8 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeastNullWarming = 2.0;  // K; over less, five times the typical size moves the null by 0.1 % of the stroke
+constexpr double kLeastNullWarming =
+    2.0;  // K; over less, five times the typical size moves the null by 0.1 % of the stroke
 
 }  // namespace
 
@@ -21,7 +22,8 @@ Effect SpoolNullTemperature(const CushionGeometry&) {
   e.min = -0.005;
   e.max = 0.005;
   e.typical = 1e-4;
-  e.family = {"the null of the valve goes with the temperature", "der Nullpunkt des Ventils geht mit der Temperatur"};
+  e.family = {"the null of the valve goes with the temperature",
+              "der Nullpunkt des Ventils geht mit der Temperatur"};
   e.confused_with = {"y_0_drift", "oil_viscosity", "pressure_offset_temperature"};
   e.hidden_in = "y_0";
   e.plain =

@@ -1,0 +1,145 @@
+#include "pipeline/reading_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/units.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+/// One jump is a sensor set anew, which strokes on either side of it survive.
+constexpr std::int64_t kJumpsToRefuse = 3;
+/// Standard deviations of the noise that no two readings differ by.
+constexpr double kNoiseReach = 17;
+/// Of a jump over the steps beside it, and over all but the largest tenth of those that are any: about the place where a counter
+/// overflows the noise makes it jump to and fro.
+constexpr double kSharp = 5;
+constexpr double kMost = 0.9;
+/// Rows that may be flagged between two readings: less than kSharp, so that steady motion over them is no jump.
+constexpr double kRowsBetween = 4.5;
+constexpr double kBinsPerOctave = 4, kLeastExponent = -40;
+/// Rows that tell whether a signal moves.
+constexpr std::int64_t kRowsToCompare = 1000;
+/// Of the variance: what is left of an echo is rounding.
+constexpr double kLeftOfEcho = 1e-8;
+
+int BinOf(double step, int bins) {
+  if (!(step > 0)) return 0;
+  return std::clamp(static_cast<int>(kBinsPerOctave * (std::log2(step) - kLeastExponent)), 0, bins - 1);
+}
+double SizeOfBin(int bin) { return std::exp2(bin / kBinsPerOctave + kLeastExponent); }
+
+}  // namespace
+
+ReadingFaults::ReadingFaults(const Machine& machine, double sample_period)
+    : machine_(machine), period_(sample_period) {
+  const MachineKind& kind = KindOf(machine);
+  for (const Condition& condition : kind.conditions) {
+    const int signal = machine.SignalIndex(condition.signal);
+    if (condition.of == Condition::Of::kMeanRate && signal >= 0)
+      tracks_.push_back({.signal = static_cast<std::size_t>(signal)});
+  }
+  for (const StandstillRule& rule : kind.standstill) {
+    const int signal = machine.SignalIndex(rule.signal), command = machine.SignalIndex(rule.command);
+    if (signal >= 0 && command >= 0)
+      pairs_.push_back(
+          {.signal = static_cast<std::size_t>(signal), .command = static_cast<std::size_t>(command)});
+  }
+}
+
+void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQuality>& channels) {
+  for (Track& track : tracks_) {
+    const double noise = channels[track.signal].noise_std;
+    const double reach = std::isfinite(noise) ? kNoiseReach * noise : 0.0;
+    for (std::size_t row = 0; row < block.rows(); ++row) {
+      if (block.quality[track.signal][row] != quality::kGood) continue;
+      if (!(std::abs(block.time[row] - track.time) < kRowsBetween * period_)) track.readings = 0;
+      Follow(block.time[row], block.signal[track.signal][row], reach, track);
+    }
+  }
+  for (Pair& pair : pairs_)
+    for (std::size_t row = 0; row < block.rows(); ++row) {
+      if ((block.quality[pair.signal][row] | block.quality[pair.command][row]) != quality::kGood) continue;
+      const double signal = block.signal[pair.signal][row], command = block.signal[pair.command][row];
+      if (pair.rows++ == 0) pair.signal_at = signal, pair.command_at = command;
+      const double y = signal - pair.signal_at, x = command - pair.command_at;
+      pair.x += x, pair.y += y, pair.xx += x * x, pair.yy += y * y, pair.xy += x * y;
+    }
+}
+
+/// Judges the step before the last by those on either side of it.
+void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
+  const double step = value - track.value, last = std::abs(track.step);
+  if (track.readings >= 1 && step != 0) ++track.all[static_cast<std::size_t>(BinOf(std::abs(step), kBins))];
+  if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) && last > kSharp * std::abs(track.before)) {
+    const auto bin = static_cast<std::size_t>(BinOf(last, kBins));
+    if (track.sharp[bin]++ == 0) track.first[bin] = track.time;
+  }
+  track.before = track.step;
+  track.step = step;
+  track.value = value;
+  track.time = time;
+  track.readings = std::min(track.readings + 1, 3);
+}
+
+ReadingFaults::Jumps ReadingFaults::JumpsOf(const Track& track) {
+  const std::int64_t steps = std::accumulate(track.all.begin(), track.all.end(), std::int64_t{0});
+  std::size_t bin = 0;
+  for (std::int64_t below = 0; bin < kBins; ++bin) {
+    below += track.all[bin];
+    if (static_cast<double>(below) >= kMost * static_cast<double>(steps)) break;
+  }
+  Jumps jumps;
+  const double most = kSharp * SizeOfBin(static_cast<int>(bin) + 1);
+  for (; bin < kBins; ++bin) {
+    if (SizeOfBin(static_cast<int>(bin)) < most || track.sharp[bin] == 0) continue;
+    if (jumps.count == 0 || track.first[bin] < jumps.first) jumps.first = track.first[bin];
+    jumps.count += track.sharp[bin];
+    jumps.size = SizeOfBin(static_cast<int>(bin));
+  }
+  return jumps;
+}
+
+bool ReadingFaults::Pair::IsEcho() const {
+  if (rows < kRowsToCompare) return false;
+  const auto n = static_cast<double>(rows);
+  const double var_x = xx - x * x / n, var_y = yy - y * y / n, both = xy - x * y / n;
+  return var_x > 0 && var_y > 0 && var_y - both * both / var_x < kLeftOfEcho * var_y;
+}
+
+Told ReadingFaults::NoVerdict() const {
+  for (const Track& track : tracks_) {
+    const Jumps jumps = JumpsOf(track);
+    if (jumps.count < kJumpsToRefuse) continue;
+    const SignalSpec& spec = machine_.signals[track.signal];
+    const Unit unit = FindUnit(spec.unit).value_or(Unit{});
+    return Tell(
+        "signal {} (column {}) jumps {} times from one row to the next, by some {:.2g} {}, first at {:.4g} s, and stays there, "
+        "which no such machine does: a counter that overflows or loses steps. Record its full count, or mend the reading in the "
+        "controller",
+        "Signal {} (Spalte {}) springt {}-mal von einer Zeile zur nächsten, um etwa {:.2g} {}, zuerst bei {:.4g} s, und bleibt "
+        "dort, was keine solche Maschine tut: ein Zähler, der überläuft oder Schritte verliert. Den ganzen Zählerstand "
+        "aufzeichnen oder die Anzeige in der Steuerung berichtigen",
+        spec.name, spec.column, jumps.count, jumps.size / unit.scale, spec.unit, jumps.first);
+  }
+  return {};
+}
+
+std::vector<ReadingFaults::Echo> ReadingFaults::Echoes() const {
+  std::vector<Echo> echoes;
+  for (const Pair& pair : pairs_)
+    if (pair.IsEcho()) echoes.push_back({machine_.signals[pair.signal].name, machine_.signals[pair.command].name});
+  return echoes;
+}
+
+Told ReadingFaults::Echo::Sentence() const {
+  return Tell("{0} repeats {1}, so {0} is not measured: what lies between the two looks like signals that are late",
+              "{0} wiederholt {1}, wird also nicht gemessen: was zwischen beiden liegt, sieht aus wie Signale, die sich "
+              "verspäten",
+              signal, command);
+}
+
+}  // namespace hydroscope
