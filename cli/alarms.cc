@@ -89,13 +89,32 @@ Result<AlarmJournal> OpenJournal(const AlarmsArguments& a, bool to_change = fals
   return to_change ? AlarmJournal::OpenExisting(path) : AlarmJournal::OpenReadOnly(path);
 }
 
+/// Machines of which the list is no all-clear: the healthy machine is being learned, and nothing is judged.
+Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const AlarmsArguments& a) {
+  const auto machines = journal.Machines();
+  if (!machines) return tl::unexpected(machines.error());
+  std::vector<std::string> learning;
+  for (const std::string& machine : *machines) {
+    if (!a.machine.empty() && machine != a.machine) continue;
+    const auto axis = journal.Axis(machine);
+    if (!axis) return tl::unexpected(axis.error());
+    if (!axis->monitor.state.empty() && !axis->monitor.judges()) learning.push_back(machine);
+  }
+  return learning;
+}
+
 Status List(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
   const auto alarms = ListedAlarms(*journal, a);
   if (!alarms) return tl::unexpected(alarms.error());
-  Json document = {{"alarms", Json::array()}};
+  const auto not_judged = NotJudged(*journal, a);
+  if (!not_judged) return tl::unexpected(not_judged.error());
+  Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}};
   if (alarms->empty() && a.json != "-") Say("no alarm stands\n");
+  if (!not_judged->empty() && a.json != "-")
+    Say(fmt::format("not judged yet, the healthy machine is being learned: {}\n",
+                    Printable(fmt::format("{}", fmt::join(*not_judged, ", ")))));
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
     document["alarms"].push_back(AlarmJson(machine, alarm));

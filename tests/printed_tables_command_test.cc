@@ -117,6 +117,8 @@ TEST_F(PrintedTables, WhatReadsADatabaseTakesTheNameOfAMachineByOneOption) {
   const Ran alarms = Run({"alarms", "--db", db, "--machine-name", "die_cushion"});
   EXPECT_EQ(alarms.exit_code, 0) << alarms.err;
   EXPECT_THAT(alarms.out, HasSubstr("no alarm stands"));
+  EXPECT_THAT(alarms.out, HasSubstr("not judged yet, the healthy machine is being learned: die_cushion"))
+      << "40 s are no commissioning";
 }
 
 TEST_F(PrintedTables, AnUnknownStudyOrVerbNamesTheNearestOne) {
