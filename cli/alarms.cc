@@ -19,6 +19,7 @@
 #include "host/real_clock.h"
 #include "monitor/alarm_json.h"
 #include "storage/alarm_journal.h"
+#include "storage/database.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -89,16 +90,19 @@ Result<AlarmJournal> OpenJournal(const AlarmsArguments& a, bool to_change = fals
   return to_change ? AlarmJournal::OpenExisting(path) : AlarmJournal::OpenReadOnly(path);
 }
 
-/// Machines of which the list is no all-clear: the healthy machine is being learned, and nothing is judged.
+/// Machines of which the list is no all-clear: the healthy machine is being learned, and nothing is judged. The journal
+/// speaks of a machine from the first judgement on.
 Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const AlarmsArguments& a) {
-  const auto machines = journal.Machines();
+  const auto database = Database::OpenReadOnly(a.db);
+  if (!database) return std::vector<std::string>{};  // moved away, and the journal speaks for itself
+  const auto machines = database->MachineNames();
   if (!machines) return tl::unexpected(machines.error());
   std::vector<std::string> learning;
   for (const std::string& machine : *machines) {
     if (!a.machine.empty() && machine != a.machine) continue;
     const auto axis = journal.Axis(machine);
     if (!axis) return tl::unexpected(axis.error());
-    if (!axis->monitor.state.empty() && !axis->monitor.judges()) learning.push_back(machine);
+    if (!axis->monitor.judges()) learning.push_back(machine);
   }
   return learning;
 }
