@@ -86,7 +86,7 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
       continue;
     }
     const drift::FindingPart& part = finding.parts.front();
-    AlarmCondition condition{std::abs(part.size),
+    AlarmCondition condition{part.reversed ? 0.0 : std::abs(part.size),
                              part.std,
                              part.limit,
                              true,

@@ -461,7 +461,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
         database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
     const Status stored = Change(wall, [&](AxisContent& axis) {
       monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled,
-                                explanation.cause);
+                                explanation.described, explanation.cause);
       AlarmEvent event;
       event.alarm = AlarmIdOf(finding);
       event.event = "explained";
@@ -478,6 +478,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       AlarmState& alarm = axis.Alarm(event.alarm);
       drift::DriftFinding explained = finding;
       explained.explanation = explanation.text;
+      explained.described = explanation.described;
       explained.cause = explanation.cause;
       const drift::CountedIn counted = drift::CountedInOf(KindOf(machine_));
       alarm.text = AlarmTextOf(explained, counted);

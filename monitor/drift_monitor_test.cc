@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 #include "core/constants.h"
 #include "studies/simulated_strokes.h"
 
@@ -35,18 +38,26 @@ class DriftMonitorTest : public testing::Test {
         std::find_if(all.begin(), all.end(), [&](const auto& q) { return q.name == quantity; });
     return static_cast<int>(found - all.begin());
   }
+  /// A further stroke at which these quantities are off by so much (SI).
+  void Add(const std::map<std::string, double>& off) {
+    StrokeEvidence stroke = strokes_[static_cast<std::size_t>(added_) % strokes_.size()];
+    stroke.sequence = static_cast<std::int64_t>(strokes_.size()) + added_++;
+    Eigen::VectorXd less = Eigen::VectorXd::Zero(monitor_->model().size());
+    for (const auto& [quantity, size] : off) less[IndexOf(quantity)] = -size;
+    monitor_->Add(monitor_->reference().Without(monitor_->model(), stroke, less));
+  }
   /// `count` further strokes over which an effect grows by `slope` (SI) a stroke.
   void Drift(const std::string& effect, double slope, std::int64_t count) {
-    const int q = IndexOf(effect);
-    for (std::int64_t k = 0; k < count; ++k) {
-      StrokeEvidence stroke = strokes_[static_cast<std::size_t>(k) % strokes_.size()];
-      stroke.sequence = static_cast<std::int64_t>(strokes_.size()) + k;
-      stroke.equations.g += slope * static_cast<double>(k) * stroke.equations.h.col(q);
-      monitor_->Add(stroke);
-    }
+    for (std::int64_t k = 0; k < count; ++k) Add({{effect, slope * static_cast<double>(k)}});
+  }
+  const DriftFinding* Found(const std::string& rule) const {
+    for (const DriftFinding& finding : monitor_->findings())
+      if (finding.rule == rule) return &finding;
+    return nullptr;
   }
 
   std::vector<StrokeEvidence> strokes_;
+  std::int64_t added_ = 0;
   std::optional<DriftMonitor> monitor_;
 };
 
@@ -74,6 +85,43 @@ TEST_F(DriftMonitorTest, TheSizeOfALeakageThatGoesOnGrowingSaysHowFarItIsBehind)
       EXPECT_NEAR(part.size, kFast * (kStrokes - 1), kNormal95 * part.std);
       EXPECT_LT(part.std, 0.25 * part.size);
     }
+}
+
+TEST_F(DriftMonitorTest, WhatIsNamedForLessFlowIsNotToldOfMore) {
+  for (int k = 0; k < 60; ++k) Add({{"Q_vn", -1e-4}});
+  ASSERT_NE(Found("clogged_valve"), nullptr);
+  EXPECT_LT(Found("clogged_valve")->parts.front().size, 0);
+  for (int k = 0; k < 2000 && Found("clogged_valve") != nullptr; ++k) {
+    Add({{"Q_vn", 1e-4}});
+    if (const DriftFinding* finding = Found("clogged_valve"); finding != nullptr) {
+      EXPECT_LT(finding->parts.front().size, 0) << FindingText(*finding);
+    }
+  }
+  EXPECT_EQ(Found("clogged_valve"), nullptr) << "it goes as one does that has become small";
+  for (int k = 0; k < 60; ++k) Add({{"Q_vn", 1e-4}});
+  EXPECT_NE(Found("worn_metering_edge"), nullptr);
+}
+
+TEST_F(DriftMonitorTest, BesideAChangeThatTheModelDoesNotDescribeNothingIsSure) {
+  for (int k = 0; k < 60; ++k) Add({{"y_0", 0.02}});
+  const DriftFinding* shift = Found("null_shift");
+  ASSERT_NE(shift, nullptr);
+  EXPECT_EQ(NameText(*shift).english, "Null of the valve has shifted");
+  monitor_->TakeExplanation(shift->number, Told("the model errs more than before"), 24, false, false,
+                            {CauseKind::kNotKnown, {}});
+  EXPECT_EQ(NameText(*shift).english,
+            "Change that the model does not describe; nearest: Null of the valve has shifted");
+  for (int k = 0; k < 100; ++k) Add({{"y_0", 0.02}, {"internal_leakage", 5e-12}});
+  const DriftFinding* leak = Found("internal_leakage");
+  ASSERT_NE(leak, nullptr);
+  EXPECT_FALSE(leak->described);
+  ByteWriter saved;
+  monitor_->Save(saved);
+  const std::vector<std::uint8_t> bytes = saved.Take();
+  ByteReader in(bytes);
+  const auto restored = DriftMonitor::Restored(monitor_->model(), DefaultRules(), in);
+  ASSERT_TRUE(restored.has_value());
+  for (const DriftFinding& finding : restored->findings()) EXPECT_FALSE(finding.described);
 }
 
 TEST_F(DriftMonitorTest, ALeakageCannotBecomeLessThanNone) {

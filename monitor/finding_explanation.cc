@@ -161,12 +161,14 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
     return {Tell("{} {} could not be compared: {}.", "{} {} ließen sich nicht vergleichen: {}.",
                  CountedWordsIn(path, machine).Several(), strokes, result.error().text),
             false,
+            true,
             {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
-          verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
+          verdict == Verdict::kNamed || verdict == Verdict::kAdequate, verdict != Verdict::kUnknown,
+          CauseOf(*result)};
 }
 
 }  // namespace hydroscope

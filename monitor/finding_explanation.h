@@ -16,6 +16,7 @@ inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
 struct FindingExplanation {
   Told text;
   bool settled = false;   ///< named or adequate: more strokes would say the same
+  bool described = true;  ///< false: an error is left that no effect explains
   AlarmCause cause = {};  ///< not sought if the strokes could not be compared
 };
 

@@ -74,7 +74,8 @@ void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQ
 void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
   const double step = value - track.value, last = std::abs(track.step);
   if (track.readings >= 1 && step != 0) ++track.all[static_cast<std::size_t>(BinOf(std::abs(step), kBins))];
-  if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) && last > kSharp * std::abs(track.before)) {
+  if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) &&
+      last > kSharp * std::abs(track.before)) {
     const auto bin = static_cast<std::size_t>(BinOf(last, kBins));
     if (track.sharp[bin]++ == 0) track.first[bin] = track.time;
   }
@@ -131,15 +132,17 @@ Told ReadingFaults::NoVerdict() const {
 std::vector<ReadingFaults::Echo> ReadingFaults::Echoes() const {
   std::vector<Echo> echoes;
   for (const Pair& pair : pairs_)
-    if (pair.IsEcho()) echoes.push_back({machine_.signals[pair.signal].name, machine_.signals[pair.command].name});
+    if (pair.IsEcho())
+      echoes.push_back({machine_.signals[pair.signal].name, machine_.signals[pair.command].name});
   return echoes;
 }
 
 Told ReadingFaults::Echo::Sentence() const {
-  return Tell("{0} repeats {1}, so {0} is not measured: what lies between the two looks like signals that are late",
-              "{0} wiederholt {1}, wird also nicht gemessen: was zwischen beiden liegt, sieht aus wie Signale, die sich "
-              "verspäten",
-              signal, command);
+  return Tell(
+      "{0} repeats {1}, so {0} is not measured: what lies between the two looks like signals that are late",
+      "{0} wiederholt {1}, wird also nicht gemessen: was zwischen beiden liegt, sieht aus wie Signale, die sich "
+      "verspäten",
+      signal, command);
 }
 
 }  // namespace hydroscope

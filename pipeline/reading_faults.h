@@ -38,9 +38,9 @@ class ReadingFaults {
   static constexpr int kBins = 256;  ///< of the binary logarithm of a step
   struct Track {
     std::size_t signal = 0;
-    double value = 0, time = 0;            ///< SI, s: of the last good reading
-    double step = 0, before = 0;           ///< SI: to it, and to the one before
-    int readings = 0;                      ///< good ones on end, up to three
+    double value = 0, time = 0;                      ///< SI, s: of the last good reading
+    double step = 0, before = 0;                     ///< SI: to it, and to the one before
+    int readings = 0;                                ///< good ones on end, up to three
     std::array<std::int64_t, kBins> all{}, sharp{};  ///< steps by size
     std::array<double, kBins> first{};               ///< s, of the sharp ones
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "models/machine_kind.h"
@@ -108,12 +109,13 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
 }
 
 void DriftMonitor::TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled,
-                                   AlarmCause cause) {
+                                   bool described, AlarmCause cause) {
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
     f.explanation = text;
     f.explained = strokes;
     f.settled = settled;
+    f.described = described;
     f.cause = std::move(cause);
   }
 }
@@ -163,12 +165,16 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
     for (FindingPart& part : finding.parts)
       for (const Moved& m : fitted) {
         if (model_.quantities()[m.quantity].name != part.quantity) continue;
+        part.limit = kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
+        part.alarm = false;
+        // What the finding is named for is no more; the other way it is another change.
+        part.reversed = m.size * part.size < 0;
+        if (part.reversed) continue;
         part.size = m.size;
         part.std = std::hypot(m.std, d.doubt[m.quantity], behind[m.quantity]);
         part.reference = d.reference[m.quantity];
-        part.alarm = std::abs(m.size) >= sizes_[m.quantity].alarm;
+        part.alarm = std::abs(m.size) >= std::max(sizes_[m.quantity].alarm, kNormal95 * part.std);
         finding.alarm = finding.alarm || part.alarm;
-        part.limit = kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
         small = small && std::abs(m.size) < part.limit;
       }
     finding.last = stroke.sequence;
@@ -248,6 +254,9 @@ bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
 /// all of it together: what corrects their size is no movement the other way.
 void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
                         const Eigen::VectorXd& doubt) {
+  finding.described = std::none_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
+    return f.number != finding.number && f.state != FindingState::kGone && !f.described;
+  });
   std::map<std::string, int> movements;
   finding.parts.clear();
   finding.alarm = false;

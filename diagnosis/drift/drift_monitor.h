@@ -49,9 +49,11 @@ struct FindingPart {
   double size = 0, std = 0;  ///< SI, change since before
   double reference = 0;      ///< SI
   double limit = 0;          ///< SI, size below which it counts as gone
-  bool alarm = false;        ///< beyond the alarm change
+  bool alarm = false;        ///< beyond the alarm change, surely
   bool share = false;        ///< Quantity::share
   Told title = {};           ///< Quantity::title
+  bool reversed =
+      false;  ///< it has gone to the other side of healthy since; size and std are from before that
 };
 
 enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
@@ -75,6 +77,9 @@ struct DriftFinding {
   std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
   bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
   AlarmCause cause;                 ///< as far as that comparison carries it
+  /// false: what the model cannot describe is left of the change or of one that stands beside it, so that its quantities are read
+  /// off a model that does not hold.
+  bool described = true;
 };
 
 /// What the numbers of a finding count: one, and several.
@@ -87,7 +92,7 @@ CountedIn ValveChecksCounted();
 
 /// "since stroke 48210 (48190 to 48230)".
 Told SinceText(const DriftFinding& finding, const CountedIn& counted = {});
-/// What changed, "Oil column softer".
+/// What changed, "Oil column softer"; of a change that the model does not describe, what comes nearest.
 Told NameText(const DriftFinding& finding);
 /// "K -10.0 +- 0.6 % (12000 -> 10800 bar); would explain as much: V0".
 Told SizesText(const DriftFinding& finding);
@@ -108,7 +113,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 6;
+  static constexpr std::uint32_t kFormat = 7;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
 
   DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference);
@@ -116,7 +121,8 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
-  void TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled, AlarmCause cause);
+  void TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled, bool described,
+                       AlarmCause cause);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

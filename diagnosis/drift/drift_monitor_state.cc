@@ -24,6 +24,7 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.quiet);
   out.Put(f.explained);
   out.Put(f.settled);
+  out.Put(f.described);
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.parts.size()));
   for (const FindingPart& part : f.parts) {
     PutText(out, part.quantity);
@@ -56,6 +57,7 @@ DriftFinding GetFinding(ByteReader& in) {
   f.quiet = in.Get<int>();
   f.explained = in.Get<std::int64_t>();
   f.settled = in.Get<bool>();
+  f.described = in.Get<bool>();
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
     FindingPart part;
     part.quantity = GetText(in);

@@ -55,6 +55,9 @@ Told SinceText(const DriftFinding& finding, const CountedIn& counted) {
 }
 
 Told NameText(const DriftFinding& finding) {
+  if (!finding.described && !finding.rule.empty())
+    return Tell("Change that the model does not describe; nearest: {}",
+                "Änderung, die das Modell nicht beschreibt; am nächsten kommt: {}", finding.name);
   if (!finding.name.empty()) return finding.name;
   return Tell("something changed; its cause is not told apart yet",
               "etwas hat sich geändert; die Ursache ist noch nicht zu unterscheiden");
