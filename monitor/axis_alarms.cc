@@ -33,13 +33,17 @@ bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
                                                   [&](const drift::Rule& rule) { return rule.id == id; }));
 }
 
+const Told& Advice(const drift::DriftFinding& finding) {
+  return finding.advice.empty() ? finding.guidance : finding.advice;
+}
+
 }  // namespace
 
 AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
   const Told compared = finding.explanation.empty() ? Told{} : Tell(" {}", " {}", finding.explanation);
   return {NameText(finding),
           Tell("{}: {}.{}", "{}: {}.{}", SinceText(finding, counted), SizesText(finding), compared),
-          finding.guidance};
+          Advice(finding)};
 }
 
 std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
@@ -47,7 +51,7 @@ std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::Counted
   if (!finding.explanation.empty()) text += finding.explanation.english + " ";
   if (finding.cause.kind != CauseKind::kNotSought)
     text += fmt::format("Cause: {}. ", CauseText(finding.cause));
-  return text + finding.guidance.english;
+  return text + Advice(finding).english;
 }
 
 AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {

@@ -43,6 +43,23 @@ TEST(AlarmWords, TheTextOfTheAlarmHoldsThemAllAndTheCause) {
       "for foam in the tank.");
 }
 
+TEST(AlarmWords, WhatToDoIsAboutTheCauseThatWasFound) {
+  drift::DriftFinding finding = SofterOil();
+  finding.Take({.text = Told("appeared: accumulator."),
+                .cause = {CauseKind::kNamed, {"accumulator"}},
+                .advice = {"Check the gas charge.", "Die Gasfüllung prüfen."}});
+  EXPECT_EQ(WordsOf(finding).action.german, "Die Gasfüllung prüfen.");
+  EXPECT_THAT(AlarmTextOf(finding), testing::EndsWith("Cause: accumulator. Check the gas charge."));
+}
+
+TEST(AlarmWords, PercentHaveAsManyDecimalsAsTheirIntervalAsksFor) {
+  drift::DriftFinding finding = SofterOil();
+  finding.parts[0].std = 3e5;
+  EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("K -10.00 ± 0.05 %"));
+  finding.parts[0].std = 0;
+  EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("K -10.000 ± 0.000 %"));
+}
+
 TEST(AlarmWords, EvidenceCallsAnEffectByItsTitle) {
   drift::DriftFinding finding = SofterOil();
   finding.parts = {

@@ -457,11 +457,10 @@ Status AxisMonitor::ExplainFindings(double wall) {
   for (const drift::DriftFinding& finding : findings) {
     if (!ExplanationIsDue(finding)) continue;
     const std::int64_t changed = FirstChanged(finding);
-    const FindingExplanation explanation = ExplainFinding(
+    const drift::FindingExplanation explanation = ExplainFinding(
         database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
     const Status stored = Change(wall, [&](AxisContent& axis) {
-      monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled,
-                                explanation.described, explanation.cause);
+      monitor_->TakeExplanation(finding.number, explanation, next_ - changed);
       AlarmEvent event;
       event.alarm = AlarmIdOf(finding);
       event.event = "explained";
@@ -477,9 +476,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       event.last_stroke = next_ - 1;
       AlarmState& alarm = axis.Alarm(event.alarm);
       drift::DriftFinding explained = finding;
-      explained.explanation = explanation.text;
-      explained.described = explanation.described;
-      explained.cause = explanation.cause;
+      explained.Take(explanation);
       const drift::CountedIn counted = drift::CountedInOf(KindOf(machine_));
       alarm.text = AlarmTextOf(explained, counted);
       alarm.words = WordsOf(explained, counted);

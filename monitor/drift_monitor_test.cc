@@ -107,8 +107,9 @@ TEST_F(DriftMonitorTest, BesideAChangeThatTheModelDoesNotDescribeNothingIsSure) 
   const DriftFinding* shift = Found("null_shift");
   ASSERT_NE(shift, nullptr);
   EXPECT_EQ(NameText(*shift).english, "Null of the valve has shifted");
-  monitor_->TakeExplanation(shift->number, Told("the model errs more than before"), 24, false, false,
-                            {CauseKind::kNotKnown, {}});
+  monitor_->TakeExplanation(
+      shift->number, {.text = Told("the model errs more"), .described = false, .cause = {CauseKind::kNotKnown, {}}},
+      24);
   EXPECT_EQ(NameText(*shift).english,
             "Change that the model does not describe; nearest: Null of the valve has shifted");
   for (int k = 0; k < 100; ++k) Add({{"y_0", 0.02}, {"internal_leakage", 5e-12}});

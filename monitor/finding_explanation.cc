@@ -142,9 +142,18 @@ AlarmCause CauseOf(const ChangeResult& result) {
   return {CauseKind::kNotKnown, {}};
 }
 
+/// What to look for where one effect appeared that is not what the finding's own guidance is about.
+Told AdviceOn(const ChangeResult& result, const drift::DriftFinding& finding) {
+  if (result.after.explanation.verdict != Verdict::kNamed || result.appeared.size() != 1 ||
+      result.appeared.front() == finding.rule)
+    return {};
+  const Effect* effect = result.after.FindEffect(result.appeared.front());
+  return effect == nullptr ? Told{} : Told(effect->plain, effect->german.plain);
+}
+
 }  // namespace
 
-FindingExplanation ExplainFinding(const Database& database, const std::string& path,
+drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
                                   const std::string& machine, std::int64_t machine_id,
                                   const drift::DriftFinding& finding, std::int64_t first_healthy,
                                   std::int64_t end) {
@@ -162,13 +171,14 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
                  CountedWordsIn(path, machine).Several(), strokes, result.error().text),
             false,
             true,
+            {},
             {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate, verdict != Verdict::kUnknown,
-          CauseOf(*result)};
+          CauseOf(*result), AdviceOn(*result, finding)};
 }
 
 }  // namespace hydroscope

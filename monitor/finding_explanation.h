@@ -13,18 +13,11 @@ namespace hydroscope {
 /// with more.
 inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
 
-struct FindingExplanation {
-  Told text;
-  bool settled = false;   ///< named or adequate: more strokes would say the same
-  bool described = true;  ///< false: an error is left that no effect explains
-  AlarmCause cause = {};  ///< not sought if the strokes could not be compared
-};
-
 /// Compares the strokes before and after a finding by the engine of `hydroscope explain --since`, from stored
 /// Grams alone, and says in one or two sentences what changed: effects that appeared with their sizes,
 /// parameters that moved, and how far the error on strokes left out fell. At most 300 strokes on either side
 /// are used; `end` is behind the newest stroke. Never fails: what prevented it is what it says.
-FindingExplanation ExplainFinding(const Database& database, const std::string& path,
+drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
                                   const std::string& machine, std::int64_t machine_id,
                                   const drift::DriftFinding& finding, std::int64_t first_healthy,
                                   std::int64_t end);

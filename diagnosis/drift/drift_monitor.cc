@@ -53,6 +53,14 @@ Told JudgementTold(JudgementReason reason) {
   return {};
 }
 
+void DriftFinding::Take(const FindingExplanation& comparison) {
+  explanation = comparison.text;
+  settled = comparison.settled;
+  described = comparison.described;
+  cause = comparison.cause;
+  advice = comparison.advice;
+}
+
 DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference)
     : model_(std::move(model)), rules_(&rules), reference_(std::move(reference)) {
   const int n = model_.size();
@@ -108,15 +116,12 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   new_classes_.erase(index);
 }
 
-void DriftMonitor::TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled,
-                                   bool described, AlarmCause cause) {
+void DriftMonitor::TakeExplanation(std::int64_t number, const FindingExplanation& explanation,
+                                   std::int64_t strokes) {
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
-    f.explanation = text;
+    f.Take(explanation);
     f.explained = strokes;
-    f.settled = settled;
-    f.described = described;
-    f.cause = std::move(cause);
   }
 }
 

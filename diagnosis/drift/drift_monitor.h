@@ -58,6 +58,15 @@ struct FindingPart {
 
 enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
 
+/// What comparing the strokes before and after a change says of it.
+struct FindingExplanation {
+  Told text;              ///< one or two sentences
+  bool settled = false;   ///< named or adequate: more strokes would say the same
+  bool described = true;  ///< DriftFinding::described
+  AlarmCause cause = {};  ///< not sought if the strokes could not be compared
+  Told advice = {};       ///< DriftFinding::advice
+};
+
 /// Something changed at the machine: what, since when, by how much, and what it means.
 struct DriftFinding {
   std::int64_t number = 0;  ///< 1, 2, ... per axis
@@ -77,9 +86,12 @@ struct DriftFinding {
   std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
   bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
   AlarmCause cause;                 ///< as far as that comparison carries it
+  Told advice = {};                 ///< of the cause that it names: what to look for, in place of `guidance`
   /// false: what the model cannot describe is left of the change or of one that stands beside it, so that its quantities are read
   /// off a model that does not hold.
   bool described = true;
+
+  void Take(const FindingExplanation& comparison);
 };
 
 /// What the numbers of a finding count: one, and several.
@@ -121,8 +133,8 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
-  void TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled, bool described,
-                       AlarmCause cause);
+  /// What comparing strokes said of a finding; `strokes` since the change.
+  void TakeExplanation(std::int64_t number, const FindingExplanation& explanation, std::int64_t strokes);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

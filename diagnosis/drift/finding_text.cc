@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/constants.h"
@@ -13,6 +14,13 @@
 
 namespace hydroscope::drift {
 namespace {
+
+/// "-1.5 ± 0.4 %", with more decimals where the interval asks for them.
+std::string PercentText(double share, double half_width) {
+  const double asked = std::ceil(-std::log10(100 * half_width));
+  const int decimals = asked > 1 ? static_cast<int>(std::min(asked, 3.0)) : 1;
+  return fmt::format("{:+.{}f} ± {:.{}f} %", 100 * share, decimals, 100 * half_width, decimals);
+}
 
 Told PartText(const FindingPart& part) {
   const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
@@ -30,8 +38,8 @@ Told PartText(const FindingPart& part) {
       Tell("{:.4g} -> {:.4g}{}", "{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
            (part.reference + part.size) * unit.factor + unit.offset, unit_name);
   if (const auto share = RelativeChange(part.reference, part.std, part.size))
-    return Tell("{} {:+.1f} ± {:.1f} % ({})", "{} {:+.1f} ± {:.1f} % ({})", quantity, 100 * *share,
-                100 * kNormal95 * part.std / std::abs(part.reference), values);
+    return Tell("{} {} ({})", "{} {} ({})", quantity,
+                TellNumber(PercentText(*share, kNormal95 * part.std / std::abs(part.reference))), values);
   return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", quantity, part.size * unit.factor,
               kNormal95 * part.std * unit.factor, unit_name, values);
 }
