@@ -90,7 +90,8 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
       continue;
     }
     const drift::FindingPart& part = finding.parts.front();
-    AlarmCondition condition{part.reversed ? 0.0 : std::abs(part.size),
+    const bool there = !part.reversed && std::abs(part.size) > kNormal95 * part.std;
+    AlarmCondition condition{there ? std::abs(part.size) : 0.0,
                              part.std,
                              part.limit,
                              true,

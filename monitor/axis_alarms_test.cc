@@ -47,8 +47,10 @@ TEST(AlarmWords, WhatToDoIsAboutTheCauseThatWasFound) {
   drift::DriftFinding finding = SofterOil();
   finding.Take({.text = Told("appeared: accumulator."),
                 .cause = {CauseKind::kNamed, {"accumulator"}},
+                .cause_title = {"Gas-charged volume", "Gasvolumen"},
                 .advice = {"Check the gas charge.", "Die Gasfüllung prüfen."}});
   EXPECT_EQ(WordsOf(finding).action.german, "Die Gasfüllung prüfen.");
+  EXPECT_EQ(WordsOf(finding).finding.english, "Gas-charged volume");
   EXPECT_THAT(AlarmTextOf(finding), testing::EndsWith("Cause: accumulator. Check the gas charge."));
 }
 
@@ -56,6 +58,9 @@ TEST(AlarmWords, PercentHaveAsManyDecimalsAsTheirIntervalAsksFor) {
   drift::DriftFinding finding = SofterOil();
   finding.parts[0].std = 3e5;
   EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("K -10.00 ± 0.05 %"));
+  finding.parts[0].size = -1.5e9;
+  EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("K beyond anything physical"));
+  finding.parts[0].size = -1.2e8;
   finding.parts[0].std = 0;
   EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("K -10.000 ± 0.000 %"));
 }

@@ -108,8 +108,8 @@ TEST_F(DriftMonitorTest, BesideAChangeThatTheModelDoesNotDescribeNothingIsSure) 
   ASSERT_NE(shift, nullptr);
   EXPECT_EQ(NameText(*shift).english, "Null of the valve has shifted");
   monitor_->TakeExplanation(
-      shift->number, {.text = Told("the model errs more"), .described = false, .cause = {CauseKind::kNotKnown, {}}},
-      24);
+      shift->number,
+      {.text = Told("the model errs more"), .described = false, .cause = {CauseKind::kNotKnown, {}}}, 24);
   EXPECT_EQ(NameText(*shift).english,
             "Change that the model does not describe; nearest: Null of the valve has shifted");
   for (int k = 0; k < 100; ++k) Add({{"y_0", 0.02}, {"internal_leakage", 5e-12}});

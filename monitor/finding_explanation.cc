@@ -142,21 +142,20 @@ AlarmCause CauseOf(const ChangeResult& result) {
   return {CauseKind::kNotKnown, {}};
 }
 
-/// What to look for where one effect appeared that is not what the finding's own guidance is about.
-Told AdviceOn(const ChangeResult& result, const drift::DriftFinding& finding) {
+/// The effect that appeared, where it is one that the finding's own rule is not about; nullptr if there is none.
+const Effect* OtherCause(const ChangeResult& result, const drift::DriftFinding& finding) {
   if (result.after.explanation.verdict != Verdict::kNamed || result.appeared.size() != 1 ||
       result.appeared.front() == finding.rule)
-    return {};
-  const Effect* effect = result.after.FindEffect(result.appeared.front());
-  return effect == nullptr ? Told{} : Told(effect->plain, effect->german.plain);
+    return nullptr;
+  return result.after.FindEffect(result.appeared.front());
 }
 
 }  // namespace
 
 drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
-                                  const std::string& machine, std::int64_t machine_id,
-                                  const drift::DriftFinding& finding, std::int64_t first_healthy,
-                                  std::int64_t end) {
+                                         const std::string& machine, std::int64_t machine_id,
+                                         const drift::DriftFinding& finding, std::int64_t first_healthy,
+                                         std::int64_t end) {
   // Strokes in the interval of the change belong to neither side.
   const std::int64_t healthy_end = std::min(finding.since.low, finding.since.last_before) + 1;
   const std::int64_t changed = std::max(finding.since.high, finding.since.last_before) + 1;
@@ -172,13 +171,18 @@ drift::FindingExplanation ExplainFinding(const Database& database, const std::st
             false,
             true,
             {},
+            {},
             {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
+  const Effect* other = OtherCause(*result, finding);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
-          verdict == Verdict::kNamed || verdict == Verdict::kAdequate, verdict != Verdict::kUnknown,
-          CauseOf(*result), AdviceOn(*result, finding)};
+          verdict == Verdict::kNamed || verdict == Verdict::kAdequate,
+          verdict != Verdict::kUnknown,
+          CauseOf(*result),
+          other == nullptr ? Told{} : Told(other->title, other->german.title),
+          other == nullptr ? Told{} : Told(other->plain, other->german.plain)};
 }
 
 }  // namespace hydroscope

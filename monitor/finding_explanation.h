@@ -18,8 +18,8 @@ inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
 /// parameters that moved, and how far the error on strokes left out fell. At most 300 strokes on either side
 /// are used; `end` is behind the newest stroke. Never fails: what prevented it is what it says.
 drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
-                                  const std::string& machine, std::int64_t machine_id,
-                                  const drift::DriftFinding& finding, std::int64_t first_healthy,
-                                  std::int64_t end);
+                                         const std::string& machine, std::int64_t machine_id,
+                                         const drift::DriftFinding& finding, std::int64_t first_healthy,
+                                         std::int64_t end);
 
 }  // namespace hydroscope

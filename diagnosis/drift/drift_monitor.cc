@@ -58,6 +58,7 @@ void DriftFinding::Take(const FindingExplanation& comparison) {
   settled = comparison.settled;
   described = comparison.described;
   cause = comparison.cause;
+  cause_title = comparison.cause_title;
   advice = comparison.advice;
 }
 
@@ -121,6 +122,7 @@ void DriftMonitor::TakeExplanation(std::int64_t number, const FindingExplanation
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
     f.Take(explanation);
+    f.described = f.described && IsDescribed(f);
     f.explained = strokes;
   }
 }
@@ -255,13 +257,19 @@ bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
   return rules_->Match(movements) != nullptr;
 }
 
+/// No other finding stands that the model does not describe, or describes with a further effect only.
+bool DriftMonitor::IsDescribed(const DriftFinding& finding) const {
+  return std::none_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
+    return f.number < finding.number && f.state != FindingState::kGone &&
+           (!f.described || !f.cause_title.empty());
+  });
+}
+
 /// Applies the rules and starts to follow the sizes. A quantity that open findings explain in part moved by
 /// all of it together: what corrects their size is no movement the other way.
 void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
                         const Eigen::VectorXd& doubt) {
-  finding.described = std::none_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
-    return f.number != finding.number && f.state != FindingState::kGone && !f.described;
-  });
+  finding.described = IsDescribed(finding);
   std::map<std::string, int> movements;
   finding.parts.clear();
   finding.alarm = false;

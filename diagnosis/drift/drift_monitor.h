@@ -60,11 +60,11 @@ enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
 
 /// What comparing the strokes before and after a change says of it.
 struct FindingExplanation {
-  Told text;              ///< one or two sentences
-  bool settled = false;   ///< named or adequate: more strokes would say the same
-  bool described = true;  ///< DriftFinding::described
-  AlarmCause cause = {};  ///< not sought if the strokes could not be compared
-  Told advice = {};       ///< DriftFinding::advice
+  Told text;                           ///< one or two sentences
+  bool settled = false;                ///< named or adequate: more strokes would say the same
+  bool described = true;               ///< DriftFinding::described
+  AlarmCause cause = {};               ///< not sought if the strokes could not be compared
+  Told cause_title = {}, advice = {};  ///< DriftFinding::cause_title, advice
 };
 
 /// Something changed at the machine: what, since when, by how much, and what it means.
@@ -86,7 +86,8 @@ struct DriftFinding {
   std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
   bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
   AlarmCause cause;                 ///< as far as that comparison carries it
-  Told advice = {};                 ///< of the cause that it names: what to look for, in place of `guidance`
+  /// Of a cause that it names and the rule is not about: what it is called, and what to look for in place of `guidance`.
+  Told cause_title = {}, advice = {};
   /// false: what the model cannot describe is left of the change or of one that stands beside it, so that its quantities are read
   /// off a model that does not hold.
   bool described = true;
@@ -156,6 +157,7 @@ class DriftMonitor {
   void Explain(const Deviation& deviation, double oil_temperature);
   void Follow(const Deviation& deviation, const StrokeEvidence& stroke);
   void Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt);
+  bool IsDescribed(const DriftFinding& finding) const;
   bool NamedByRule(const std::vector<Moved>& moved) const;
   void Restart(std::int64_t sequence);
   std::vector<int> ExplainedQuantities() const;

@@ -11,7 +11,7 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.number);
   out.Put(f.state);
   PutText(out, f.rule);
-  for (const Told* told : {&f.name, &f.guidance, &f.explanation, &f.advice}) {
+  for (const Told* told : {&f.name, &f.guidance, &f.explanation, &f.cause_title, &f.advice}) {
     PutText(out, told->english);
     PutText(out, told->german);
   }
@@ -44,7 +44,7 @@ DriftFinding GetFinding(ByteReader& in) {
   f.number = in.Get<std::int64_t>();
   f.state = in.Get<FindingState>();
   f.rule = GetText(in);
-  for (Told* told : {&f.name, &f.guidance, &f.explanation, &f.advice}) {
+  for (Told* told : {&f.name, &f.guidance, &f.explanation, &f.cause_title, &f.advice}) {
     told->english = GetText(in);
     told->german = GetText(in);
   }

@@ -37,7 +37,10 @@ Told PartText(const FindingPart& part) {
   const Told values =
       Tell("{:.4g} -> {:.4g}{}", "{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
            (part.reference + part.size) * unit.factor + unit.offset, unit_name);
-  if (const auto share = RelativeChange(part.reference, part.std, part.size))
+  const auto share = RelativeChange(part.reference, part.std, part.size);
+  if (share && *share <= -1)
+    return Tell("{} beyond anything physical", "{} jenseits alles physikalisch Möglichen", quantity);
+  if (share)
     return Tell("{} {} ({})", "{} {} ({})", quantity,
                 TellNumber(PercentText(*share, kNormal95 * part.std / std::abs(part.reference))), values);
   return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", quantity, part.size * unit.factor,
@@ -63,6 +66,7 @@ Told SinceText(const DriftFinding& finding, const CountedIn& counted) {
 }
 
 Told NameText(const DriftFinding& finding) {
+  if (!finding.cause_title.empty()) return finding.cause_title;
   if (!finding.described && !finding.rule.empty())
     return Tell("Change that the model does not describe; nearest: {}",
                 "Änderung, die das Modell nicht beschreibt; am nächsten kommt: {}", finding.name);
