@@ -1,6 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <memory>
-#include <string>
 
 #include "cli/commands.h"
 #include "cli/machines/machines.h"
