@@ -1,6 +1,6 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -46,26 +46,15 @@ Effect PressureGainTemperature(const CushionGeometry&) {
     const auto shift = [](double root, double y, double p, double t) {
       return RootShift(root, y, kUnit * (t - kStatedAt) * p) * (1.0 / kUnit);
     };
-    const auto flow = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * shift(root[k], y[k], p[k], t[k]); }, out);
-    };
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::Differences(
-          s, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *z = s[kPosition], *t = s[kOilTemperature];
-      wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] * (t[k] - kStatedAt); }, out);
-    };
-    const auto null = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return shift(root[k], y[k], p[k], t[k]); }, out);
-    };
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kPressureA, kOilTemperature>(
+        [=](double root, double y, double p, double t) { return y * shift(root, y, p, t); });
+    const auto dead_volume =
+        ChangeOf<kPressureA, kOilTemperature>([](double p, double t) { return -p * (t - kStatedAt); });
+    const auto stroke_volume = IntegralOver(
+        Of<kPosition>(),
+        Of<kPressureA, kOilTemperature>([](double p, double t) { return -p * (t - kStatedAt); }));
+    const auto null = IntegralOverTime<kFlowRoot, kSpool, kPressureA, kOilTemperature>(
+        [=](double root, double y, double p, double t) { return shift(root, y, p, t); });
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   return e;

@@ -1,6 +1,6 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -36,27 +36,17 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.drifts_by = "Pa";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
-    };
-    const auto null = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
-    };
+    const auto flow =
+        IntegralOverTime<kFlowRoot, kSpool, kTime>([rate = nonlinear[0]](double root, double y, double t) {
+          return y * RootShift(root, y, rate * t) * (1.0 / rate);
+        });
+    const auto null =
+        IntegralOverTime<kFlowRoot, kSpool, kTime>([rate = nonlinear[0]](double root, double y, double t) {
+          return RootShift(root, y, rate * t) * (1.0 / rate);
+        });
     // A zero that moves looks like a pressure that does: small, and yet part of the balance.
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* t = s[kTime];
-      Differences(
-          s, [=](int k) { return -t[k]; }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* z = s[kPosition];
-      IntegrateOverTime(
-          s, [=](int k) { return -z[k]; }, out);
-    };
+    const auto dead_volume = ChangeOf<kTime>([](double t) { return -t; });
+    const auto stroke_volume = IntegralOverTime<kPosition>([](double z) { return -z; });
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double rate, double&, Stretch& s) {
