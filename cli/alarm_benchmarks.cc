@@ -3,7 +3,6 @@
 #include "studies/alarms/alarm_benchmarks.h"
 
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "cli/commands.h"
 #include "cli/study_command.h"

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 #include "alarms/alarm_action.h"
 #include "alarms/alarm_metrics.h"
 #include "cli/alarms_scada.h"
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
 #include "core/counted_words.h"
@@ -33,7 +33,7 @@ struct AlarmsArguments {
   int modbus_acknowledge = 0;
 };
 
-std::string UserOf(const AlarmsArguments& a) { return a.user.empty() ? UserName() : a.user; }
+AlarmUser UserOf(const AlarmsArguments& a) { return {a.user.empty() ? UserName() : a.user, a.comment}; }
 
 /// "8h", "30m", "90s", "2d" in s.
 Result<double> Duration(const std::string& text) {
@@ -115,22 +115,21 @@ Status List(const AlarmsArguments& a) {
   const auto not_judged = NotJudged(*journal, a);
   if (!not_judged) return tl::unexpected(not_judged.error());
   Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}};
-  if (alarms->empty() && a.json != "-") Say("no alarm stands\n");
-  if (!not_judged->empty() && a.json != "-")
-    Say(fmt::format("not judged yet, the healthy machine is being learned: {}\n",
-                    Printable(fmt::format("{}", fmt::join(*not_judged, ", ")))));
+  std::string text = alarms->empty() ? "no alarm stands\n" : "";
+  if (!not_judged->empty())
+    text += fmt::format("not judged yet, the healthy machine is being learned: {}\n",
+                        Printable(fmt::format("{}", fmt::join(*not_judged, ", "))));
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
     document["alarms"].push_back(AlarmJson(machine, alarm));
     document["alarms"].back()["number"] = i + 1;
-    if (a.json != "-")
-      Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}{}\n     {}\n", i + 1, StateName(alarm),
-                      SeverityName(alarm.severity), Printable(machine), Printable(alarm.id), Since(alarm),
-                      Printable(alarm.text)));
+    text += fmt::format("{:>3}  {:<5} {:<11} {} / {}{}\n     {}\n", i + 1, StateName(alarm),
+                        SeverityName(alarm.severity), Printable(machine), Printable(alarm.id), Since(alarm),
+                        Printable(alarm.text));
   }
-  if (a.json != "-" && !alarms->empty())
-    Say("acknowledge with `hydroscope alarms --db " + a.db + " ack NUMBER`, or by name MACHINE/ALARM\n");
-  return a.json.empty() ? Status{} : WriteJson(a.json, document);
+  if (!alarms->empty())
+    text += "acknowledge with `hydroscope alarms --db " + a.db + " ack NUMBER`, or by name MACHINE/ALARM\n";
+  return Answer(text, document, a.json);
 }
 
 enum class Which { kStanding, kKnown };
@@ -166,13 +165,48 @@ Status Act(const AlarmsArguments& a, const char* done, const AlarmAction& act,
   if (!found) return tl::unexpected(found.error());
   const auto changed = ActOnAlarm(*journal, found->machine, found->alarm.id, WallSeconds(), act);
   if (!changed) return tl::unexpected(changed.error());
-  if (a.json != "-")
-    Say(Printable(found->machine) + " / " + Printable(found->alarm.id) +
-        (*changed ? std::string(" ") + done : std::string(": nothing to do")) + "\n");
-  return a.json.empty()
-             ? Status{}
-             : WriteJson(a.json,
-                         {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", *changed}});
+  return Answer(fmt::format("{} / {}{}\n", Printable(found->machine), Printable(found->alarm.id),
+                            *changed ? std::string(" ") + done : ": nothing to do"),
+                {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", *changed}}, a.json);
+}
+
+Status Acknowledge(const AlarmsArguments& a) {
+  return Act(a, "acknowledged", [&](AlarmState& alarm, const AlarmMoment& now) {
+    return alarm_machine::Acknowledge(alarm, UserOf(a), now);
+  });
+}
+
+Status Shelve(const AlarmsArguments& a) {
+  const auto duration = Duration(a.duration);
+  if (!duration) return tl::unexpected(duration.error());
+  return Act(a, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
+    return alarm_machine::Shelve(alarm, now.wall + *duration, UserOf(a), now);
+  });
+}
+
+Status Unshelve(const AlarmsArguments& a) {
+  return Act(a, "unshelved", [&](AlarmState& alarm, const AlarmMoment& now) {
+    return alarm_machine::Unshelve(alarm, UserOf(a), now);
+  });
+}
+
+Status Comment(const AlarmsArguments& a) {
+  if (a.comment.empty()) return UsageError("--comment is missing: what is to be written");
+  return Act(
+      a, "commented",
+      [&](AlarmState& alarm, const AlarmMoment& now) {
+        return alarm_machine::Comment(alarm, UserOf(a), now);
+      },
+      Which::kKnown);
+}
+
+Status SetOutOfService(const AlarmsArguments& a, bool out) {
+  return Act(
+      a, out ? "taken out of service" : "back in service",
+      [&](AlarmState& alarm, const AlarmMoment& now) {
+        return alarm_machine::SetOutOfService(alarm, out, UserOf(a), now);
+      },
+      Which::kKnown);
 }
 
 Status Journal(const AlarmsArguments& a) {
@@ -182,22 +216,21 @@ Status Journal(const AlarmsArguments& a) {
   if (!rows) return tl::unexpected(rows.error());
   if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
     rows->erase(rows->begin(), rows->end() - a.last);
-  if (rows->empty() && a.json != "-") Say("nothing stands in the journal\n");
+  std::string text = rows->empty() ? "nothing stands in the journal\n" : "";
   Json document = {{"journal", Json::array()}};
   std::map<std::string, CountedWords> counted;
   for (const JournalRow& row : *rows) {
     const AlarmEvent& e = row.event;
     if (!counted.contains(row.machine)) counted[row.machine] = CountedWordsIn(a.db, row.machine);
     document["journal"].push_back(JournalRowJson(row));
-    if (a.json != "-")
-      Say(fmt::format("{:>6}  {}  {} {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
-                      counted[row.machine].one, e.stroke, Printable(row.machine),
-                      e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
-                      e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-                      e.user.empty() ? "" : " by " + Printable(e.user),
-                      e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\""));
+    text += fmt::format("{:>6}  {}  {} {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
+                        counted[row.machine].one, e.stroke, Printable(row.machine),
+                        e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
+                        e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+                        e.user.empty() ? "" : " by " + Printable(e.user),
+                        e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
   }
-  return a.json.empty() ? Status{} : WriteJson(a.json, document);
+  return Answer(text, document, a.json);
 }
 
 Status Metrics(const AlarmsArguments& a) {
@@ -210,27 +243,56 @@ Status Metrics(const AlarmsArguments& a) {
   std::vector<AlarmState> states;
   for (const Listed& l : *listed) states.push_back(l.alarm);
   const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
-  if (a.json != "-") {
-    Say(
-        fmt::format("{} raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {}\nchattering: "
-                    "{}\nstale: {}\n",
-                    Counted(m.annunciations, "alarm"), m.hours, m.per_hour, m.most_in_10_minutes,
-                    Counted(m.floods, "flood"),
-                    m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
-                    m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", "))));
-    for (const auto& [source, count] : m.top) Say(fmt::format("{:>7}  {}\n", count, Printable(source)));
-  }
+  const auto listing = [](const std::vector<std::string>& sources) {
+    return sources.empty() ? "none" : fmt::format("{}", fmt::join(sources, ", "));
+  };
+  std::string text = fmt::format(
+      "{} raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {}\nchattering: {}\nstale: {}\n",
+      Counted(m.annunciations, "alarm"), m.hours, m.per_hour, m.most_in_10_minutes,
+      Counted(m.floods, "flood"), listing(m.chattering), listing(m.stale));
   Json top = Json::array();
-  for (const auto& [source, count] : m.top) top.push_back({{"source", source}, {"raised", count}});
-  return a.json.empty() ? Status{}
-                        : WriteJson(a.json, {{"raised", m.annunciations},
-                                             {"hours", m.hours},
-                                             {"per_hour", m.per_hour},
-                                             {"most_in_10_minutes", m.most_in_10_minutes},
-                                             {"floods", m.floods},
-                                             {"chattering", m.chattering},
-                                             {"stale", m.stale},
-                                             {"top", top}});
+  for (const auto& [source, count] : m.top) {
+    text += fmt::format("{:>7}  {}\n", count, Printable(source));
+    top.push_back({{"source", source}, {"raised", count}});
+  }
+  return Answer(text,
+                {{"raised", m.annunciations},
+                 {"hours", m.hours},
+                 {"per_hour", m.per_hour},
+                 {"most_in_10_minutes", m.most_in_10_minutes},
+                 {"floods", m.floods},
+                 {"chattering", m.chattering},
+                 {"stale", m.stale},
+                 {"top", top}},
+                a.json);
+}
+
+void AddAlarmsSubcommands(CLI::App& command, const std::shared_ptr<AlarmsArguments>& a, int& exit_code) {
+  const auto add = [&](const char* name, const char* text, auto run) {
+    CLI::App* sub = command.add_subcommand(name, text);
+    RunsAs(*sub, exit_code, [a, run] { return run(*a); });
+    return sub;
+  };
+  const auto on_alarm = [&](const char* name, const char* text, auto run) {
+    CLI::App* sub = add(name, text, run);
+    sub->add_option("ALARM", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
+    return sub;
+  };
+  add("list", "Alarms that stand", List);
+  on_alarm("ack", "Acknowledge an alarm", Acknowledge);
+  on_alarm("shelve", "Put an alarm aside for a while", Shelve)
+      ->add_option("--for", a->duration, "How long: 30m, 8h, 2d")
+      ->capture_default_str();
+  on_alarm("unshelve", "Take an alarm back from the shelf", Unshelve);
+  on_alarm("comment", "Write a remark (--comment) about an alarm into the journal", Comment);
+  on_alarm("out-of-service", "Take an alarm out of service, for as long as its cause is being worked on",
+           [](const AlarmsArguments& o) { return SetOutOfService(o, true); });
+  on_alarm("in-service", "Put an alarm back in service",
+           [](const AlarmsArguments& o) { return SetOutOfService(o, false); });
+  CLI::App* journal = add("journal", "What happened, oldest first", Journal);
+  journal->add_option("--after", a->after, "Only rows after this sequence number");
+  journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);
+  add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
 }
 
 }  // namespace
@@ -266,71 +328,11 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       "  hydroscope alarms --db press.db journal --json -\n"
       "  hydroscope alarms --db press.db metrics\n"
       "  hydroscope alarms --modbus 127.0.0.1:1503 --ack 1");
-  const auto add = [&](const char* name, const char* text, auto run) {
-    CLI::App* sub = command->add_subcommand(name, text);
-    sub->callback([a, run, &exit_code] {
-      const Status done = run(*a);
-      exit_code = done ? kDone : ReportError(done.error());
-    });
-    return sub;
-  };
-  add("list", "Alarms that stand", List);
-  const auto on_alarm = [&](const char* name, const char* text, auto run) {
-    CLI::App* sub = add(name, text, run);
-    sub->add_option("ALARM", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
-    return sub;
-  };
-  on_alarm("ack", "Acknowledge an alarm", [](const AlarmsArguments& o) {
-    return Act(o, "acknowledged", [&](AlarmState& alarm, const AlarmMoment& now) {
-      return alarm_machine::Acknowledge(alarm, {UserOf(o), o.comment}, now);
-    });
-  });
-  on_alarm("shelve", "Put an alarm aside for a while",
-           [](const AlarmsArguments& o) -> Status {
-             const auto duration = Duration(o.duration);
-             if (!duration) return tl::unexpected(duration.error());
-             return Act(o, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
-               return alarm_machine::Shelve(alarm, now.wall + *duration, {UserOf(o), o.comment}, now);
-             });
-           })
-      ->add_option("--for", a->duration, "How long: 30m, 8h, 2d")
-      ->capture_default_str();
-  on_alarm("unshelve", "Take an alarm back from the shelf", [](const AlarmsArguments& o) {
-    return Act(o, "unshelved", [&](AlarmState& alarm, const AlarmMoment& now) {
-      return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);
-    });
-  });
-  on_alarm("comment", "Write a remark (--comment) about an alarm into the journal",
-           [](const AlarmsArguments& o) {
-             if (o.comment.empty()) return Status(UsageError("--comment is missing: what is to be written"));
-             return Act(
-                 o, "commented",
-                 [&](AlarmState& alarm, const AlarmMoment& now) {
-                   return alarm_machine::Comment(alarm, {UserOf(o), o.comment}, now);
-                 },
-                 Which::kKnown);
-           });
-  const auto service = [&](const char* name, const char* text, bool out) {
-    on_alarm(name, text, [out](const AlarmsArguments& o) {
-      return Act(
-          o, out ? "taken out of service" : "back in service",
-          [&](AlarmState& alarm, const AlarmMoment& now) {
-            return alarm_machine::SetOutOfService(alarm, out, {UserOf(o), o.comment}, now);
-          },
-          Which::kKnown);
-    });
-  };
-  service("out-of-service", "Take an alarm out of service, for as long as its cause is being worked on",
-          true);
-  service("in-service", "Put an alarm back in service", false);
-  CLI::App* journal = add("journal", "What happened, oldest first", Journal);
-  journal->add_option("--after", a->after, "Only rows after this sequence number");
-  journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);
-  add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
+  AddAlarmsSubcommands(*command, a, exit_code);
   command->callback([a, command, &exit_code] {
     if (!command->get_subcommands().empty()) return;
-    const Status done = a->modbus.empty() ? List(*a) : ShowScada(a->modbus, a->modbus_acknowledge, a->json);
-    exit_code = done ? kDone : ReportError(done.error());
+    exit_code =
+        ExitCodeOf(a->modbus.empty() ? List(*a) : ShowScada(a->modbus, a->modbus_acknowledge, a->json));
   });
 }
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <ctime>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"

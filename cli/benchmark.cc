@@ -1,21 +1,10 @@
 #include <CLI/CLI.hpp>
-#include <memory>
-#include <string>
 
 #include "cli/commands.h"
 #include "cli/machines/machines.h"
 #include "cli/study_command.h"
-#include "studies/coverage_benchmark.h"
-#include "studies/drift/drift_benchmark.h"
-#include "studies/drift/drift_full_simulation.h"
-#include "studies/drift/since_benchmark.h"
-#include "studies/drift/thirty_runs.h"
-#include "studies/endurance.h"
-#include "studies/example_log.h"
-#include "studies/filter_study.h"
-#include "studies/frf_benchmark.h"
-#include "studies/hidden_effects_benchmark.h"
-#include "studies/late_signals_benchmark.h"
+#include "studies/benchmarks.h"
+#include "studies/drift/drift_benchmarks.h"
 #include "studies/own_machines.h"
 #include "studies/plant_logs_benchmark.h"
 #include "studies/recovery.h"

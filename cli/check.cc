@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "acquisition/live_sources.h"
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -20,30 +20,27 @@ struct CheckArguments {
 };
 
 /// Listens to the machine in place of reading a log.
-int RunLive(const CheckArguments& arguments) {
+Result<ExitCode> RunLive(const CheckArguments& arguments) {
   const auto model = LoadLiveModel(arguments.live);
-  if (!model) return ReportError(model.error());
+  if (!model) return tl::unexpected(model.error());
   const auto check = CheckLive(
       (*model)->machine, arguments.seconds,
       [](const Machine& machine, const Clock& clock) { return MakeSources(machine, clock, 1); }, RealTime);
-  if (!check) return ReportError(check.error());
-  if (arguments.json != "-") Say(LiveCheckText(*check));
-  if (!arguments.json.empty())
-    if (const Status written = WriteJson(arguments.json, LiveCheckJson(*check)); !written)
-      return ReportError(written.error());
+  if (!check) return tl::unexpected(check.error());
+  if (const Status told = Answer(LiveCheckText(*check), LiveCheckJson(*check), arguments.json); !told)
+    return tl::unexpected(told.error());
   return check->Clean() ? kDone : kPartlyDone;
 }
 
-int Run(const CheckArguments& arguments) {
+Result<ExitCode> Run(const CheckArguments& arguments) {
   if (!arguments.live.empty()) return RunLive(arguments);
   if (arguments.log.empty() || arguments.machine.empty())
-    return ReportError({ErrorKind::kUsage, "check needs LOG and --machine, or --live MACHINE"});
+    return UsageError("check needs LOG and --machine, or --live MACHINE");
   const auto check = CheckLog(arguments.log, arguments.machine);
-  if (!check) return ReportError(check.error());
-  if (arguments.json != "-") Say(CheckText(*check, arguments.machine));
-  if (!arguments.json.empty())
-    if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
-      return ReportError(written.error());
+  if (!check) return tl::unexpected(check.error());
+  if (const Status told = Answer(CheckText(*check, arguments.machine), CheckJson(*check), arguments.json);
+      !told)
+    return tl::unexpected(told.error());
   const bool no_stroke = KindOf(check->machine).build != nullptr && check->driving.strokes == 0;
   return check->Clean() && !no_stroke && !check->NothingIdentified() ? kDone : kPartlyDone;
 }
@@ -61,7 +58,7 @@ void AddCheckCommand(CLI::App& app, int& exit_code) {
   command->add_option("--seconds", arguments->seconds, "--live: s to listen")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, arguments->json);
   command->footer(
       "Exit code 4: rows or values are bad and would be left out, there is no stroke, or no "
       "parameter can be identified.\n"
@@ -69,7 +66,7 @@ void AddCheckCommand(CLI::App& app, int& exit_code) {
       "  hydroscope check press.csv --machine press.toml\n"
       "  hydroscope check press.csv -m press.toml --json check.json\n"
       "  hydroscope check --live machines/press_live.toml");
-  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+  RunsAs(*command, exit_code, [arguments] { return Run(*arguments); });
 }
 
 }  // namespace hydroscope

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "host/output.h"
 #include "models/counted_words.h"
@@ -92,7 +92,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
   command->add_option("--machine,-m", a->machine,
                       "Machine file (TOML); with --db the model stored there if it is not given");
   AddHistoryOptions(*command, a->history);
-  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, a->json);
   command->add_option("--csv", a->csv, "Machines with [states]: write measured beside simulated, row by row");
   command->footer(
       "Examples:\n"
@@ -100,9 +100,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
       "  hydroscope compare press.csv -m machines/die_cushion.toml --json -\n"
       "  hydroscope compare X-ring257_*bar.csv -m machines/seal_friction.toml --hold-out X-ring257_3bar.csv\n"
       "  hydroscope compare --db press.db --from run:3");
-  command->callback([a, &exit_code] {
-    if (const Status done = RunCompare(*a); !done) exit_code = ReportError(done.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunCompare(*a); });
 }
 
 }  // namespace hydroscope

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/finite_number.h"
 #include "estimation/linear_form/trajectory.h"
@@ -59,8 +60,6 @@ nlohmann::json DesignJson(const Trajectory& t) {
 }
 
 Status WriteTrajectory(const Trajectory& t, const std::string& path, double row) {
-  auto sink = TextSink::Open(path);
-  if (!sink) return tl::unexpected(sink.error());
   std::string text = "t";
   for (const SignalSeries& s : t.signals) text += "," + s.signal;
   text += "\n";
@@ -69,8 +68,7 @@ Status WriteTrajectory(const Trajectory& t, const std::string& path, double row)
     for (const SignalSeries& s : t.signals) text += fmt::format(",{:.6f}", s.Value(k * row, t.period));
     text += "\n";
   }
-  sink->Write(text);
-  return sink->Close();
+  return WriteWhole(path, text);
 }
 
 Status RunDesign(const DesignArguments& a) {
@@ -125,14 +123,11 @@ void AddDesignCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--seed", a->options.seed, "Seed of the search")->capture_default_str();
   command->add_option("--out", a->out, "Write one period as CSV; - is stdout")->type_name("FILE");
-  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, a->json);
   command->footer(
       "Example:\n"
       "  hydroscope design -m machines/manipulator.toml --range q_1=-0.15:0.85 --range q_2=-2.2:-1 --out plan.csv");
-  command->callback([a, &exit_code] {
-    const Status status = RunDesign(*a);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunDesign(*a); });
 }
 
 }  // namespace hydroscope

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/frequency_response/loop_explain.h"
 #include "host/output.h"
@@ -209,7 +209,7 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
       "Size of an effect that a test off the log gave, EFFECT=SIZE:STANDARD_ERROR in the unit "
       "in which explain shows it; 0 says that it is not there");
   command->add_option("--report,-r", a->report, "Write the explanation as one HTML page to this file");
-  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, a->json);
   command->footer(
       "Verdicts: adequate, named, ambiguous, unknown (docs/workbench.md). The exit code is 0 for all four.\n"
       "Examples:\n"
@@ -220,9 +220,7 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
       "  hydroscope explain --db press.db --since 1200 --json -\n"
       "  hydroscope explain --db works.db --fleet\n"
       "  hydroscope explain today.csv -m machines/test_cylinder.toml --since march.csv");
-  command->callback([a, &exit_code] {
-    if (const Status done = RunExplain(*a); !done) exit_code = ReportError(done.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunExplain(*a); });
 }
 
 }  // namespace hydroscope

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "host/output.h"
 #include "workbench/fit_log.h"
@@ -20,8 +20,7 @@ struct FitArguments {
 template <typename Fit>
 Status TellFit(const Result<Fit>& fit, const std::string& json) {
   if (!fit) return tl::unexpected(fit.error());
-  if (json != "-") Say(FitText(*fit));
-  return json.empty() ? Status() : WriteJson(json, FitJson(*fit));
+  return Answer(FitText(*fit), FitJson(*fit), json);
 }
 
 Status RunFit(const FitArguments& a) {
@@ -39,15 +38,13 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
   command->add_option("--hold-out", options->hold_out,
                       "Log the model is not fitted to: its error on it is given as well");
   command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
-  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, options->json);
   command->footer(
       "Examples:\n"
       "  hydroscope fit press.csv --machine machines/die_cushion.toml\n"
       "  hydroscope fit X-ring257_*bar.csv -m machines/seal_friction.toml --hold-out X-ring257_3bar.csv\n"
       "  hydroscope fit press.csv -m machines/die_cushion.toml --json -");
-  command->callback([options, &exit_code] {
-    if (const Status done = RunFit(*options); !done) exit_code = ReportError(done.error());
-  });
+  RunsAs(*command, exit_code, [options] { return RunFit(*options); });
 }
 
 }  // namespace hydroscope

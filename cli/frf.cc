@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_report.h"
@@ -37,7 +37,7 @@ bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
 }
 
 /// A machine that is measured in closed loop.
-Result<int> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
+Result<ExitCode> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
   if (a.method == "sine" || a.settle >= 0)
     return UsageError(
         "{}: a machine in closed loop is measured with noise on its set point; "
@@ -46,17 +46,15 @@ Result<int> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
   LoopOptions options{a.options.segment_length, a.options.min_coherence, a.options.lowest, a.options.highest};
   const auto measured = MeasureLoopLog(a.log, machine, options);
   if (!measured) return tl::unexpected(measured.error());
-  if (a.json != "-") Say(LoopText(*measured, machine));
-  if (!a.json.empty())
-    if (const Status s = WriteJson(a.json, LoopJson(*measured, machine)); !s)
-      return tl::unexpected(s.error());
+  if (const Status s = Answer(LoopText(*measured, machine), LoopJson(*measured, machine), a.json); !s)
+    return tl::unexpected(s.error());
   if (!a.svg.empty())
     if (const Status s = WriteTextFile(a.svg, LoopBodePlot(*measured, machine.name)); !s)
       return tl::unexpected(s.error());
   return measured->response.fit && measured->log.left_out == 0 ? kDone : kPartlyDone;
 }
 
-Result<int> RunFrf(const FrfArguments& a) {
+Result<ExitCode> RunFrf(const FrfArguments& a) {
   const auto machine = LoadMachine(a.machine);
   if (!machine) return tl::unexpected(machine.error());
   if (ClosedLoopOf(*machine) != nullptr) return RunClosedLoop(a, *machine);
@@ -76,11 +74,10 @@ Result<int> RunFrf(const FrfArguments& a) {
           fmt::format("; {} of {} rows were left out ({})", log->left_out, log->rows, log->left_out_why);
     return tl::unexpected(error);
   }
-  if (a.json != "-") Say(FrfText(*response, *log, *machine, a.log));
-  if (!a.json.empty()) {
-    if (const Status s = WriteJson(a.json, FrfJson(*response, *log, *machine)); !s)
-      return tl::unexpected(s.error());
-  }
+  if (const Status s =
+          Answer(FrfText(*response, *log, *machine, a.log), FrfJson(*response, *log, *machine), a.json);
+      !s)
+    return tl::unexpected(s.error());
   if (!a.svg.empty()) {
     const std::string title =
         fmt::format("{}: {} to {}", machine->name, machine->valve.input, machine->valve.output);
@@ -103,7 +100,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       ->add_option("--machine,-m", a->machine,
                    "Machine file (TOML); of a valve its [valve] table names command and response")
       ->required();
-  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, a->json);
   command->add_option("--svg", a->svg, "Write a Bode plot to this file");
   command
       ->add_option(
@@ -135,10 +132,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --from 20 --to 120\n"
       "  hydroscope frf cylinder.csv -m machines/test_cylinder.toml --json cylinder.json --svg bode.svg\n"
       "  hydroscope frf chirp_0A.txt -m machines/servo_press_chirp.toml --method welch --segment 4096");
-  command->callback([a, &exit_code] {
-    const auto code = RunFrf(*a);
-    exit_code = code ? *code : ReportError(code.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunFrf(*a); });
 }
 
 }  // namespace hydroscope

@@ -1,6 +1,5 @@
 #include "cli/help_formatter.h"
 
-#include <algorithm>
 #include <sstream>
 
 #include "host/output.h"

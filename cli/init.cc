@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/shown_width.h"
 #include "host/output.h"
@@ -67,9 +68,9 @@ Status WriteFile(const InitArguments& arguments, const std::string& text) {
   return WriteTextFile(arguments.out, text);
 }
 
-int RunInit(const InitArguments& arguments) {
+Status RunInit(const InitArguments& arguments) {
   const auto head = ReadLogColumns(arguments.log);
-  if (!head) return ReportError(head.error());
+  if (!head) return tl::unexpected(head.error());
   ProposalOptions options;
   options.model = arguments.model;
   if (arguments.area_cm2 > 0)  // the piston area of whatever machine it turns out to be
@@ -78,17 +79,15 @@ int RunInit(const InitArguments& arguments) {
         if (known.si == "m2") options.known[std::string(known.name)] = arguments.area_cm2 * 1e-4;
   const MachineProposal proposal = ProposeMachine(*head, options);
   if (!arguments.out.empty()) {
-    if (const Status written = WriteFile(arguments, proposal.text); !written)
-      return ReportError(written.error());
+    if (const Status written = WriteFile(arguments, proposal.text); !written) return written;
   } else if (arguments.json != "-") {
     std::cout << proposal.text;
   }
   if (!arguments.json.empty())
-    if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written)
-      return ReportError(written.error());
+    if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written) return written;
   const bool stdout_is_taken = arguments.out.empty() || arguments.json == "-";
   (stdout_is_taken ? SayBeside : Say)(ReportText(arguments, proposal));
-  return kDone;
+  return {};
 }
 
 }  // namespace
@@ -115,7 +114,7 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
       "  hydroscope init press.csv --area 125 --out press.toml\n"
       "  hydroscope init pump.csv --model pump --out pump.toml\n"
       "  hydroscope init sweep.csv > valve.toml");
-  command->callback([arguments, &exit_code] { exit_code = RunInit(*arguments); });
+  RunsAs(*command, exit_code, [arguments] { return RunInit(*arguments); });
 }
 
 }  // namespace hydroscope

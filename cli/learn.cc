@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/constants.h"
 #include "core/units.h"
@@ -75,17 +76,17 @@ std::string LearnedText(const nlohmann::json& learned, const Machine& machine) {
   return text;
 }
 
-int RunLearn(const LearnArguments& a) {
+Status RunLearn(const LearnArguments& a) {
   const auto history = OpenHistory(a.history, a.machine);
-  if (!history) return ReportError(history.error());
+  if (!history) return tl::unexpected(history.error());
   const auto rules = RulesFor(a.machine, history->choices.front().machine);
-  if (!rules) return ReportError(rules.error());
+  if (!rules) return tl::unexpected(rules.error());
   std::string note;
   auto journal = OpenJournalOf(a.history.db, WallSeconds(), note);
-  if (!journal) return ReportError(journal.error());
+  if (!journal) return tl::unexpected(journal.error());
   if (!note.empty()) SayBeside("note: " + note + "\n");
   const auto candidates = Candidates(a, *history, *journal);
-  if (!candidates) return ReportError(candidates.error());
+  if (!candidates) return tl::unexpected(candidates.error());
   nlohmann::json document = {{"learned", nlohmann::json::array()}, {"refused", nlohmann::json::array()}};
   if (const Status may = TellDoubts(a, *candidates); !may) {
     for (const LearningCandidate& c : *candidates)
@@ -95,19 +96,17 @@ int RunLearn(const LearnArguments& a) {
                                        {"last_stroke", c.part.last - 1},
                                        {"doubts", DoubtsJson(c.doubts)}});
     if (!a.json.empty())
-      if (const Status written = WriteJson(a.json, document); !written) return ReportError(written.error());
-    return ReportError(may.error());
+      if (const Status written = WriteJson(a.json, document); !written) return written;
+    return may;
   }
   for (const LearningCandidate& candidate : *candidates) {
     auto learned = LearnReference(history->database, a.history.db, candidate, *rules, *journal,
                                   {a.user, a.comment}, WallSeconds());
-    if (!learned) return ReportError(learned.error());
+    if (!learned) return tl::unexpected(learned.error());
     if (a.json != "-") Say(LearnedText(*learned, candidate.machine));
     document["learned"].push_back(std::move(*learned));
   }
-  if (a.json.empty()) return kDone;
-  const Status written = WriteJson(a.json, document);
-  return written ? kDone : ReportError(written.error());
+  return a.json.empty() ? Status() : WriteJson(a.json, document);
 }
 
 }  // namespace
@@ -141,10 +140,10 @@ void AddLearnCommand(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  hydroscope learn --db press.db --machine press.toml\n"
       "  hydroscope learn --db press.db --machine-name press/cushion_2 --from 2025-03-01 --comment \"new seal\"");
-  command->callback([a, &exit_code] {
+  RunsAs(*command, exit_code, [a] {
     if (a->user.empty())
       if (const char* user = std::getenv("USER"); user != nullptr) a->user = user;
-    exit_code = RunLearn(*a);
+    return RunLearn(*a);
   });
 }
 

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
 #include "host/output.h"
@@ -22,33 +22,21 @@ struct ModelOptions {
   Promotion promotion;
 };
 
-void Show(const std::string& text, const nlohmann::json& document, const std::string& json, int& exit_code) {
-  if (json != "-") Say(text);
-  if (json.empty()) return;
-  if (const Status written = WriteJson(json, document); !written) exit_code = ReportError(written.error());
-}
-
 void AddEffectsCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& options, int& exit_code) {
   CLI::App* command =
       model.add_subcommand("effects", "The library: every effect with law, parameter and look-alikes");
   command->add_option("--machine,-m", options->machine,
                       "Machine file (TOML): the effects tried on this machine, those of its own too");
-  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, options->json);
   command->footer(
       "Examples:\n  hydroscope model effects\n  hydroscope model effects --machine "
       "machines/seal_friction.toml\n"
       "  hydroscope model effects --json -");
-  command->callback([options, &exit_code] {
-    if (options->machine.empty()) {
-      Show(EffectsText(), EffectsJson(), options->json, exit_code);
-      return;
-    }
+  RunsAs(*command, exit_code, [options]() -> Status {
+    if (options->machine.empty()) return Answer(EffectsText(), EffectsJson(), options->json);
     const auto machine = LoadMachine(options->machine);
-    if (!machine) {
-      exit_code = ReportError(machine.error());
-      return;
-    }
-    Show(EffectsText(&*machine), EffectsJson(&*machine), options->json, exit_code);
+    if (!machine) return tl::unexpected(machine.error());
+    return Answer(EffectsText(&*machine), EffectsJson(&*machine), options->json);
   });
 }
 
@@ -56,15 +44,12 @@ void AddShowCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& option
   CLI::App* command =
       model.add_subcommand("show", "The model of a machine file: what is known, effects, version");
   command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
-  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, options->json);
   command->footer("Examples:\n  hydroscope model show --machine press.toml");
-  command->callback([options, &exit_code] {
+  RunsAs(*command, exit_code, [options]() -> Status {
     const auto machine = LoadMachine(options->machine);
-    if (!machine) {
-      exit_code = ReportError(machine.error());
-      return;
-    }
-    Show(ModelText(*machine), ModelJson(*machine), options->json, exit_code);
+    if (!machine) return tl::unexpected(machine.error());
+    return Answer(ModelText(*machine), ModelJson(*machine), options->json);
   });
 }
 
@@ -78,15 +63,8 @@ nlohmann::json ChangedJson(const ModelChanged& changed) {
   return out;
 }
 
-void Tell(const Result<ModelChanged>& changed, const std::string& json, int& exit_code) {
-  if (changed)
-    Show(changed->text, ChangedJson(*changed), json, exit_code);
-  else
-    exit_code = ReportError(changed.error());
-}
-
-void AddJsonOption(CLI::App& command, std::string& json) {
-  command.add_option("--json", json, "Write the result as JSON to this file; - is stdout");
+Status Tell(const Result<ModelChanged>& changed, const std::string& json) {
+  return changed ? Answer(changed->text, ChangedJson(*changed), json) : tl::unexpected(changed.error());
 }
 
 void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& options, int& exit_code,
@@ -114,9 +92,8 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
       "  hydroscope model {0} pressure_friction -m seal.toml 1bar.csv 3bar.csv 5bar.csv --hold-out 3bar.csv\n"
       "  hydroscope model {0} internal_leakage --db press.db",
       name));
-  command->callback([options, make_next, &exit_code] {
-    Tell(ChangeModel(options->change, make_next), options->json, exit_code);
-  });
+  RunsAs(*command, exit_code,
+         [options, make_next] { return Tell(ChangeModel(options->change, make_next), options->json); });
 }
 
 void AddUndoCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& options, int& exit_code) {
@@ -124,7 +101,7 @@ void AddUndoCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& option
   command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
   AddJsonOption(*command, options->json);
   command->footer("Examples:\n  hydroscope model undo --machine press.toml");
-  command->callback([options, &exit_code] { Tell(UndoModel(options->machine), options->json, exit_code); });
+  RunsAs(*command, exit_code, [options] { return Tell(UndoModel(options->machine), options->json); });
 }
 
 void AddPromoteCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& options, int& exit_code) {
@@ -144,23 +121,22 @@ void AddPromoteCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
       "Examples:\n"
       "  hydroscope model promote --machine press.toml --db press.db\n"
       "  hydroscope model promote --db press.db --version 1");
-  command->callback([options, &exit_code] {
+  RunsAs(*command, exit_code, [options] {
     Promotion& promotion = options->promotion;
     if (promotion.user.empty()) promotion.user = UserName();
     promotion.wall = WallSeconds();
-    Tell(PromoteModel(options->change.history, options->machine, promotion), options->json, exit_code);
+    return Tell(PromoteModel(options->change.history, options->machine, promotion), options->json);
   });
 }
 
-Status ShowHistory(const ModelOptions& options, int& exit_code) {
+Status ShowHistory(const ModelOptions& options) {
   const HistoryOptions& history = options.change.history;
   if (options.machine.empty() == history.db.empty())
     return UsageError("model history needs --machine FILE or --db FILE");
   if (history.db.empty()) {
     const auto machine = LoadMachine(options.machine);
     if (!machine) return tl::unexpected(machine.error());
-    Show(ModelHistoryText(*machine), ModelHistoryJson(*machine), options.json, exit_code);
-    return {};
+    return Answer(ModelHistoryText(*machine), ModelHistoryJson(*machine), options.json);
   }
   auto database = Database::OpenReadOnly(history.db);
   if (!database) return tl::unexpected(database.error());
@@ -177,9 +153,8 @@ Status ShowHistory(const ModelOptions& options, int& exit_code) {
     machines.push_back(ModelHistoryJson(*machine));
     machines.back()["stored"] = StoredVersionsJson(*versions);
   }
-  Show(text, machines.size() == 1 ? machines.front() : nlohmann::json{{"machines", machines}}, options.json,
-       exit_code);
-  return {};
+  return Answer(text, machines.size() == 1 ? machines.front() : nlohmann::json{{"machines", machines}},
+                options.json);
 }
 
 void AddHistoryCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& options, int& exit_code) {
@@ -192,9 +167,7 @@ void AddHistoryCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
   AddJsonOption(*command, options->json);
   command->footer(
       "Examples:\n  hydroscope model history --machine press.toml\n  hydroscope model history --db press.db");
-  command->callback([options, &exit_code] {
-    if (const Status shown = ShowHistory(*options, exit_code); !shown) exit_code = ReportError(shown.error());
-  });
+  RunsAs(*command, exit_code, [options] { return ShowHistory(*options); });
 }
 
 }  // namespace

@@ -1,54 +1,21 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <ctime>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "cli/machines/press_log.h"
 #include "cli/user_name.h"
-#include "core/cannot_write.h"
 #include "host/output.h"
 #include "host/signals.h"
 #include "live/service_socket.h"
 #include "page/page_server.h"
-#include "simulator/die_cushion/log_format.h"
-#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kExampleSeconds = 90;
-
-/// A simulated press with a hidden effect, "" = none.
-Status WriteExample(const std::string& effect, double size, const std::string& path) {
-  PressOptions options;
-  options.seconds = kExampleSeconds;
-  options.seed = 4;
-  if (!effect.empty()) options.effects = {{effect, size, {}}};
-  std::ofstream file(path, std::ios::binary);
-  std::string text(kPressLogHeader);
-  PressGenerator generator(options);
-  for (PressRow row; generator.Next(row);) {
-    AppendPressLine(row, text);
-    if (text.size() < 1 << 16) continue;
-    file << text;
-    text.clear();
-  }
-  file << text;
-  file.close();
-  if (!file) return CannotWrite(path);
-  return {};
-}
-
-std::vector<ExampleLog> Examples() {
-  const auto example = [](const char* id, const char* effect, double size) {
-    return ExampleLog{id, [=](const std::string& path) { return WriteExample(effect, size, path); }};
-  };
-  return {example("press_a", "internal_leakage", 4e-12), example("press_b", "relief_valve", 3e-11),
-          example("press_healthy", "", 0)};
-}
 
 /// Those that end it: a terminal that is closed too, unless it was begun with nohup.
 sigset_t EndingSignals() {
@@ -66,7 +33,7 @@ void Wait(PageServer& page, const sigset_t& signals) {
 
 Status RunOpen(PageOptions options) {
   const sigset_t signals = EndingSignals();
-  options.examples = Examples();
+  options.examples = ExamplePressLogs();
   options.watch.user = UserName();
   if (!options.watch.database.empty()) {
     if (!options.logs.empty()) return UsageError("open takes logs or --db, not both");
@@ -113,10 +80,7 @@ void AddOpenCommand(CLI::App& app, int& exit_code) {
       "  hydroscope open\n"
       "  hydroscope open press.csv --machine press.toml\n"
       "  hydroscope open --db press.db");
-  command->callback([options, &exit_code] {
-    const Status ran = RunOpen(*options);
-    exit_code = ran ? kDone : ReportError(ran.error());
-  });
+  RunsAs(*command, exit_code, [options] { return RunOpen(*options); });
 }
 
 }  // namespace hydroscope

@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "host/output.h"
 #include "live/service_socket.h"
@@ -17,17 +18,16 @@ struct ReplayArguments {
   std::string json;
 };
 
-int Run(const ReplayArguments& arguments) {
+Result<ExitCode> Run(const ReplayArguments& arguments) {
   if (AskService(SocketOf(arguments.options.database), "GET", "/status"))
-    return ReportError({ErrorKind::kBadInput,
-                        fmt::format("a service writes {}; stop it first, or replay into another database",
-                                    arguments.options.database)});
+    return BadInput("a service writes {}; stop it first, or replay into another database",
+                    arguments.options.database);
   const auto outcome = RunReplay(arguments.options);
-  if (!outcome) return ReportError(outcome.error());
-  if (arguments.json != "-") Say(ReplayText(arguments.options, *outcome));
-  if (!arguments.json.empty())
-    if (const Status written = WriteJson(arguments.json, ReplayJson(arguments.options, *outcome)); !written)
-      return ReportError(written.error());
+  if (!outcome) return tl::unexpected(outcome.error());
+  if (const Status told = Answer(ReplayText(arguments.options, *outcome),
+                                 ReplayJson(arguments.options, *outcome), arguments.json);
+      !told)
+    return tl::unexpected(told.error());
   for (const ReplayOutcome& machine : outcome->machines)
     for (const LogReplay& replay : machine.logs)
       if (replay.status == ReplayStatus::kFailed)
@@ -49,7 +49,7 @@ void AddReplayCommand(CLI::App& app, int& exit_code) {
   command->add_option("--axis,-a", o.axis,
                       "Axis of the press the logs are of, unless a log names its own (LOG#AXIS)");
   command->add_option("--report,-r", o.report, "Write a maintenance report (one HTML page) to this file");
-  command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, arguments->json);
   command->footer(
       "Each log continues where the machine's log before it ended: thirty logs are one history. A log that is\n"
       "in the database already is not stored twice; after a crash, call the same command again. A log that\n"
@@ -62,7 +62,7 @@ void AddReplayCommand(CLI::App& app, int& exit_code) {
       "  hydroscope replay logs/2024-*.csv.gz -m press.toml --db press.db --json result.json\n"
       "  hydroscope replay left.csv#left right.csv#right -m press.toml --db press.db\n"
       "  hydroscope replay logs/left/*.csv --axis left -m press.toml --db press.db");
-  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+  RunsAs(*command, exit_code, [arguments] { return Run(*arguments); });
 }
 
 }  // namespace hydroscope

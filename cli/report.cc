@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/counted_words.h"
 #include "review/stored_report.h"
@@ -16,15 +17,14 @@ struct ReportArguments {
 Status RunReport(const ReportArguments& a) {
   const auto written = WriteStoredReport(a.db, a.machine, a.out);
   if (!written) return tl::unexpected(written.error());
-  if (a.json != "-")
-    Say(fmt::format("{}: {} of {} in {}\n", a.out, written->counted.Counted(written->strokes),
-                    written->machine, Counted(written->runs, "run")));
-  if (a.json.empty()) return {};
-  return WriteJson(a.json, {{"report", a.out},
-                            {"machine", written->machine},
-                            {"strokes", written->strokes},
-                            {"runs", written->runs},
-                            {"alarms", written->alarms}});
+  return Answer(fmt::format("{}: {} of {} in {}\n", a.out, written->counted.Counted(written->strokes),
+                            written->machine, Counted(written->runs, "run")),
+                {{"report", a.out},
+                 {"machine", written->machine},
+                 {"strokes", written->strokes},
+                 {"runs", written->runs},
+                 {"alarms", written->alarms}},
+                a.json);
 }
 
 }  // namespace
@@ -42,10 +42,7 @@ void AddReportCommand(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  hydroscope report --db press.db --out press.html\n"
       "  hydroscope report --db press.db --machine press/cushion_1 --out cushion_1.html");
-  command->callback([a, &exit_code] {
-    const Status done = RunReport(*a);
-    exit_code = done ? kDone : ReportError(done.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunReport(*a); });
 }
 
 }  // namespace hydroscope

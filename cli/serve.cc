@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/live_sources.h"
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/json_text.h"
 #include "core/secret_file.h"
@@ -126,21 +127,19 @@ void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, co
   }
 }
 
-int Run(ServeArguments& a) {
+Result<ExitCode> Run(ServeArguments& a) {
   if (const Status configured = ConfigureLog(a.log_level, a.log_json); !configured)
-    return ReportError(configured.error());
+    return tl::unexpected(configured.error());
   KeepFreedMemory();
   a.live.writer.raw = {static_cast<std::int64_t>(a.raw_gigabytes * 1024 * kMegabyte), a.raw_days * 86400};
   a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
   a.live.writer.queue_bytes = static_cast<std::int64_t>(a.queue_megabytes * kMegabyte);
   a.valve_check.period = a.valve_check_hours * 3600;
   if (AskService(SocketOf(a.live.database), "GET", "/status"))
-    return ReportError(
-        {ErrorKind::kBadInput,
-         fmt::format("another service writes {} already; stop it first, or take another database",
-                     a.live.database)});
+    return BadInput("another service writes {} already; stop it first, or take another database",
+                    a.live.database);
   const auto listen = ListenOf(a);
-  if (!listen) return ReportError(listen.error());
+  if (!listen) return tl::unexpected(listen.error());
   const sigset_t signals = LeaveToSignalWait({SIGTERM, SIGINT, SIGHUP});  // one thread waits for them
   auto created = LiveService::Create(
       a.live,
@@ -148,7 +147,7 @@ int Run(ServeArguments& a) {
         return MakeSources(machine, clock, static_cast<std::uint64_t>(clock().wall_ns));
       },
       RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
-  if (!created) return ReportError(created.error());
+  if (!created) return tl::unexpected(created.error());
   LiveService& service = **created;
   ValveChecks checks(service, a.valve_check, RealTime);
   Surveillance surveillance(service, checks, a.live, RealTime);
@@ -163,8 +162,8 @@ int Run(ServeArguments& a) {
     return AnswerTools(request, surveillance, checks);
   };
   const auto page = PageServer::OpenForService(page_options);
-  if (!page) return ReportError(page.error());
-  if (const Status started = service.Start(); !started) return ReportError(started.error());
+  if (!page) return tl::unexpected(page.error());
+  if (const Status started = service.Start(); !started) return tl::unexpected(started.error());
   checks.Start();
   surveillance.Start();
   LogInfo("serving", {{"machine", service.machine().name},
@@ -192,53 +191,41 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   ServeArguments& a = *arguments;
   CLI::App* command =
       app.add_subcommand("serve", "Watches a machine live: signals in, trends and Grams into the database");
+  command->option_defaults()->always_capture_default();
   command->add_option("MACHINE", a.live.machine_file, "Machine file with a [live] section (TOML)")
       ->required();
   command->add_option("--db,-d", a.live.database, "Trend database; created if it does not exist")->required();
   command
       ->add_option("--port", a.port,
                    "Page and Prometheus text: http://127.0.0.1:PORT/ and /metrics; 0 = none")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--listen", a.address,
-          "Address of the port; one that other computers reach (0.0.0.0, say) needs --certificate, and whoever "
-          "looks has to log in (hydroscope users)")
-      ->capture_default_str();
+      ->check(CLI::Range(0, 65535));
+  command->add_option(
+      "--listen", a.address,
+      "Address of the port; one that other computers reach (0.0.0.0, say) needs --certificate, and whoever "
+      "looks has to log in (hydroscope users)");
   command->add_option("--certificate", a.certificate, "PEM file: the port then speaks TLS");
   command->add_option("--key", a.key, "PEM file of its private key");
   command->add_option("--host-name", a.host_names,
                       "Name under which other computers reach the page; repeatable");
-  command->add_option("--raw-days", a.raw_days, "Raw window: days kept")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  command->add_option("--raw-days", a.raw_days, "Raw window: days kept")->check(CLI::NonNegativeNumber);
   command->add_option("--raw-gb", a.raw_gigabytes, "Raw window: GB kept per axis; 0 = none")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--min-free", a.min_free_megabytes, "MB on the disk below which nothing is written")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--queue", a.queue_megabytes, "MB of raw rows that may wait for the disk")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   command->add_option("--run-length", a.live.run_length, "s after which a run ends between two strokes")
-      ->check(CLI::Range(10.0, 1e7))
-      ->capture_default_str();
+      ->check(CLI::Range(10.0, 1e7));
   command->add_option("--raw-period", a.live.raw_period, "s between two stored pieces of raw rows")
-      ->check(CLI::Range(0.02, 60.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.02, 60.0));
   command
       ->add_option("--valve-check-every", a.valve_check_hours,
                    "Hours between valve checks of each axis; 0 = only on request")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--valve-check-amplitude", a.valve_check.amplitude, "Valve check: share of full command")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  command->add_option("--log-level", a.log_level, "debug, info, warning, error or off")
-      ->capture_default_str();
+      ->check(CLI::Range(0.001, 1.0));
+  command->add_option("--log-level", a.log_level, "debug, info, warning, error or off");
   command->add_flag("--log-json", a.log_json, "Log as JSON, one object per line");
   command->add_flag("--acknowledge", a.acknowledge, "One line on stdout for each stored step");
   command->footer(
@@ -249,7 +236,7 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
       "  hydroscope serve machines/press_live.toml --db press.db\n"
       "  hydroscope serve press.toml -d press.db --raw-days 3 --raw-gb 20 --valve-check-every 24\n"
       "  hydroscope status --db press.db");
-  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+  RunsAs(*command, exit_code, [arguments] { return Run(*arguments); });
 }
 
 }  // namespace hydroscope

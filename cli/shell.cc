@@ -1,7 +1,5 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
-#include <sstream>
 
 #include "cli/commands.h"
 #include "cli/help_formatter.h"

@@ -15,7 +15,8 @@
 #include <thread>
 
 #include "acquisition/dds/dds_source.h"
-#include "cli/simulate_serve.h"
+#include "cli/command_answer.h"
+#include "cli/machines/served_press.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -187,10 +188,7 @@ void AddSimulateLog(CLI::App& simulate, int& exit_code) {
       "Examples:\n"
       "  hydroscope simulate log tank.csv --serve tank_live.toml\n"
       "  hydroscope simulate log press.csv --serve press.toml --axis left");
-  app->callback([a, &exit_code] {
-    const Status status = SendLog(*a);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*app, exit_code, [a] { return SendLog(*a); });
 }
 
 }  // namespace hydroscope

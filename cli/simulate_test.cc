@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "cli/commands.h"
-#include "cli/simulate_press.h"
+#include "cli/machines/press_settings.h"
 
 namespace hydroscope {
 namespace {

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/constants.h"
 #include "core/printable.h"
@@ -27,19 +27,19 @@ std::string Interval(double value, double std) {
 }
 
 /// The history of valve checks, from the database; no service is needed.
-int RunValveChecks(const StatusArguments& a) {
+Result<ExitCode> RunValveChecks(const StatusArguments& a) {
   auto database = Database::OpenReadOnly(a.database);
-  if (!database) return ReportError(database.error());
+  if (!database) return tl::unexpected(database.error());
   const auto names = database->MachineNames();
-  if (!names) return ReportError(names.error());
+  if (!names) return tl::unexpected(names.error());
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{:<22} {:>13} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", "axis", "time s",
                                  "outcome", "bandwidth Hz", "damping", "gain", "dead time ms", "");
   for (const std::string& name : *names) {
     const auto machine = database->MachineId(name);
-    if (!machine) return ReportError(machine.error());
+    if (!machine) return tl::unexpected(machine.error());
     const auto checks = database->ValveChecks(*machine);
-    if (!checks) return ReportError(checks.error());
+    if (!checks) return tl::unexpected(checks.error());
     for (const ValveCheckRecord& c : *checks) {
       std::string conditions = c.detail;
       if (std::isfinite(c.supply_pressure))
@@ -68,38 +68,34 @@ int RunValveChecks(const StatusArguments& a) {
       list.push_back(std::move(check));
     }
   }
-  if (a.json != "-") Say(text);
-  if (!a.json.empty())
-    if (const Status written = WriteJson(a.json, {{"valve_checks", list}}); !written)
-      return ReportError(written.error());
+  if (const Status told = Answer(text, {{"valve_checks", list}}, a.json); !told)
+    return tl::unexpected(told.error());
   return kDone;
 }
 
-int RunStatus(const StatusArguments& a) {
+Result<ExitCode> RunStatus(const StatusArguments& a) {
   if (a.valve_checks) return RunValveChecks(a);
   const std::string socket = SocketOf(a.database);
   if (!a.valve_check.empty()) {
     const auto asked = AskService(socket, "POST", "/valve_check?axis=" + a.valve_check);
-    if (!asked) return ReportError(asked.error());
+    if (!asked) return tl::unexpected(asked.error());
     Say("The controller will be asked for a valve sweep of " + Printable(a.valve_check) +
         "; `hydroscope status --valve-checks` shows what comes of it.\n");
     return kDone;
   }
   const auto answer = AskService(socket, "GET", "/status");
-  if (!answer) return ReportError(answer.error());
+  if (!answer) return tl::unexpected(answer.error());
   const auto status = nlohmann::json::parse(*answer, nullptr, false);
   if (!status.is_object())
-    return ReportError(
-        {ErrorKind::kInternal, "the service's answer is no JSON; is it another version of the program?"});
-  if (a.json != "-") Say(StatusText(status));
-  if (!a.json.empty())
-    if (const Status written = WriteJson(a.json, status); !written) return ReportError(written.error());
+    return InternalError("the service's answer is no JSON; is it another version of the program?");
+  if (const Status told = Answer(StatusText(status), status, a.json); !told)
+    return tl::unexpected(told.error());
   return status.at("writer").at("state") == "writing" ? kDone : kPartlyDone;
 }
 
-int RunVerify(const std::string& database, const std::string& json) {
+Result<ExitCode> RunVerify(const std::string& database, const std::string& json) {
   const auto runs = VerifyLive(database);
-  if (!runs) return ReportError(runs.error());
+  if (!runs) return tl::unexpected(runs.error());
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", "axis", "run", "rows", "stored",
                                  "replay of the raw window");
@@ -125,11 +121,9 @@ int RunVerify(const std::string& database, const std::string& json) {
   else
     text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
                         different, static_cast<std::int64_t>(runs->size()) - same - different);
-  if (json != "-") Say(text);
-  if (!json.empty())
-    if (const Status written = WriteJson(json, {{"runs", list}, {"same", same}, {"different", different}});
-        !written)
-      return ReportError(written.error());
+  if (const Status told = Answer(text, {{"runs", list}, {"same", same}, {"different", different}}, json);
+      !told)
+    return tl::unexpected(told.error());
   if (different > 0) return kOwnFault;
   return same > 0 ? kDone : kPartlyDone;
 }
@@ -151,7 +145,7 @@ void AddStatusCommand(CLI::App& app, int& exit_code) {
       "  hydroscope status --db press.db\n"
       "  hydroscope status -d press.db --json - | jq .writer.state\n"
       "  hydroscope status -d press.db --request-valve-check cushion_1");
-  command->callback([a, &exit_code] { exit_code = RunStatus(*a); });
+  RunsAs(*command, exit_code, [a] { return RunStatus(*a); });
 }
 
 void AddVerifyLiveCommand(CLI::App& app, int& exit_code) {
@@ -160,11 +154,11 @@ void AddVerifyLiveCommand(CLI::App& app, int& exit_code) {
       "verify-live",
       "Replays the raw window of live runs and compares with what the service stored, bit by bit");
   command->add_option("--db,-d", a->first, "Trend database of `hydroscope serve`")->required();
-  command->add_option("--json", a->second, "Write the result as JSON to this file; - is stdout");
+  AddJsonOption(*command, a->second);
   command->footer(
       "Exit code 1: a run differs; 4: there was nothing to compare.\n"
       "Example:\n  hydroscope verify-live --db press.db");
-  command->callback([a, &exit_code] { exit_code = RunVerify(a->first, a->second); });
+  RunsAs(*command, exit_code, [a] { return RunVerify(a->first, a->second); });
 }
 
 }  // namespace hydroscope

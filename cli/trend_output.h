@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/alarm_records.h"
+#include "core/counted_words.h"
 #include "core/result.h"
-#include "models/counted_words.h"
 #include "storage/database.h"
 #include "workbench/history/trend_summary.h"
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <optional>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/trend_output.h"
 #include "core/units.h"
@@ -195,10 +195,7 @@ void AddTrendsCommand(CLI::App& app, int& exit_code) {
       "  hydroscope trends --db press.db --csv trends.csv\n"
       "  hydroscope trends --db works.db --machine \"press 7\" --json -\n"
       "  hydroscope trends --db works.db --all --csv - | column -s, -t | less");
-  command->callback([a, &exit_code] {
-    const Status done = RunTrends(*a);
-    exit_code = done ? kDone : ReportError(done.error());
-  });
+  RunsAs(*command, exit_code, [a] { return RunTrends(*a); });
 }
 
 }  // namespace hydroscope

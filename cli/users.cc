@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
 #include "core/printable.h"
@@ -96,11 +97,6 @@ Status RemoveUser(const UsersArguments& a) {
   return {};
 }
 
-Status Write(const std::string& text, const nlohmann::json& document, const std::string& json) {
-  if (json != "-") Say(text);
-  return json.empty() ? Status() : WriteJson(json, document);
-}
-
 Status ListUsers(const UsersArguments& a) {
   const auto store = AccessStore::OpenExisting(a.database);
   if (!store) return tl::unexpected(store.error());
@@ -112,7 +108,7 @@ Status ListUsers(const UsersArguments& a) {
     text += fmt::format("{:24}{}\n", user.name, user.role);
     list.push_back({{"name", user.name}, {"role", user.role}, {"since_s", user.since}});
   }
-  return Write(text, {{"users", std::move(list)}}, a.json);
+  return Answer(text, {{"users", std::move(list)}}, a.json);
 }
 
 Status ShowAudit(const UsersArguments& a) {
@@ -128,7 +124,7 @@ Status ShowAudit(const UsersArguments& a) {
                         Printable(row->outcome));
     list.push_back(AuditJson(*row));
   }
-  return Write(text, {{"audit", std::move(list)}}, a.json);
+  return Answer(text, {{"audit", std::move(list)}}, a.json);
 }
 
 }  // namespace
@@ -142,10 +138,7 @@ void AddUsersCommand(CLI::App& app, int& exit_code) {
   const auto add = [&](const char* name, const char* what, auto run) {
     CLI::App* command = users->add_subcommand(name, what);
     command->fallthrough();  // --db may stand behind it too
-    command->callback([arguments, run, &exit_code] {
-      const Status done = run(*arguments);
-      if (!done) exit_code = ReportError(done.error());
-    });
+    RunsAs(*command, exit_code, [arguments, run] { return run(*arguments); });
     return command;
   };
   const auto takes_name = [&](CLI::App* command) {
@@ -167,7 +160,7 @@ void AddUsersCommand(CLI::App& app, int& exit_code) {
   takes_name(add("remove", "Removes a user, whose logins end", RemoveUser));
   for (CLI::App* command : {add("list", "Users and their roles", ListUsers),
                             add("audit", "What was changed, when and by whom", ShowAudit)})
-    command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
+    AddJsonOption(*command, arguments->json);
   users->footer(
       "Examples:\n"
       "  hydroscope users --db press.db add anna --role admin\n"

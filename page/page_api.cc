@@ -10,6 +10,7 @@
 #include "page/http/json_arguments.h"
 #include "page/http/json_reply.h"
 #include "page/http/request_guard.h"
+#include "page/work/region.h"
 
 namespace hydroscope {
 namespace {

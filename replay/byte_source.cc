@@ -74,23 +74,6 @@ class GzipFile : public ByteSource {
   double size_;
 };
 
-class Memory : public ByteSource {
- public:
-  explicit Memory(std::string bytes) : bytes_(std::move(bytes)) {}
-  Result<std::size_t> Read(char* data, std::size_t size) override {
-    const std::size_t got = bytes_.copy(data, size, at_);
-    at_ += got;
-    return got;
-  }
-  double Progress() const override {
-    return bytes_.empty() ? 1.0 : static_cast<double>(at_) / static_cast<double>(bytes_.size());
-  }
-
- private:
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
-
 bool IsGzip(int descriptor) {
   unsigned char magic[2] = {};
   return ::pread(descriptor, magic, 2, 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
@@ -119,10 +102,6 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
   }
   gzbuffer(file, 1u << 20);
   return std::make_unique<GzipFile>(path, file, size);
-}
-
-std::unique_ptr<ByteSource> MakeMemorySource(std::string bytes) {
-  return std::make_unique<Memory>(std::move(bytes));
 }
 
 LineBuffer::LineBuffer(std::unique_ptr<ByteSource> source, std::string origin)

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "core/result.h"
 
@@ -21,8 +19,6 @@ class ByteSource {
 
 /// Opens a plain or gzip-compressed file (told by its first bytes, not by its name).
 Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path);
-/// Bytes in memory.
-std::unique_ptr<ByteSource> MakeMemorySource(std::string bytes);
 
 /// Cuts a byte source into complete lines inside one buffer that grows only for long lines.
 class LineBuffer {

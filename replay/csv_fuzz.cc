@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "replay/byte_source.h"
 #include "replay/csv_reader.h"
 #include "replay/log_layout.h"
+#include "replay/memory_source_fixture.h"
 
 namespace {
 
@@ -34,7 +34,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const auto layout = hydroscope::DetectLayout(text, {}, "fuzz");
   if (!layout) return 0;
-  auto reader = hydroscope::CsvReader::Open(hydroscope::MakeMemorySource(text), MachineFor(*layout), "fuzz");
+  auto reader = hydroscope::CsvReader::Open(std::make_unique<hydroscope::MemorySource>(text),
+                                            MachineFor(*layout), "fuzz");
   if (!reader) return 0;
   hydroscope::SampleBlock block;
   for (auto rows = (*reader)->Read(block, 7); rows && *rows > 0; rows = (*reader)->Read(block, 7)) {

@@ -10,7 +10,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
+
+#include "replay/memory_source_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -31,7 +32,7 @@ class CsvReaderTest : public ::testing::Test {
   CsvReaderTest() { machine_.signals = {Signal("p", "Pa"), Signal("z", "m")}; }
 
   void Read(const std::string& text, std::size_t rows_at_once = 1024) {
-    ReadFrom(MakeMemorySource(text), rows_at_once);
+    ReadFrom(std::make_unique<MemorySource>(text), rows_at_once);
   }
 
   void ReadFrom(std::unique_ptr<ByteSource> source, std::size_t rows_at_once) {

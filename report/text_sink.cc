@@ -63,4 +63,11 @@ Status TextSink::Close() {
   return CannotWrite(s.path == "-" ? "to standard output" : s.path, s.error);
 }
 
+Status WriteWhole(const std::string& path, std::string_view text) {
+  auto sink = TextSink::Open(path);
+  if (!sink) return tl::unexpected(sink.error());
+  sink->Write(text);
+  return sink->Close();
+}
+
 }  // namespace hydroscope

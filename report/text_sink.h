@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,5 +24,8 @@ class TextSink {
   explicit TextSink(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// The whole text at once.
+Status WriteWhole(const std::string& path, std::string_view text);
 
 }  // namespace hydroscope

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <set>
 #include <sstream>
 
 #include "core/told_error.h"
@@ -176,26 +175,12 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
   std::vector<AlarmState> alarms;
   while (query.Step()) {
     AlarmState a;
-    a.id = query.Text(0);
-    a.severity = Severity(query.Text(1));
-    a.active = query.Int(2) != 0;
-    a.acknowledged = query.Int(3) != 0;
-    a.latched = query.Int(4) != 0;
-    a.out_of_service = query.Int(5) != 0;
-    a.suppressed = static_cast<std::uint8_t>(query.Int(6));
+    std::string severity;
+    query.Read(0, a.id, severity, a.active, a.acknowledged, a.latched, a.out_of_service, a.suppressed);
+    a.severity = Severity(severity);
     a.shelved_until = Optional(query, 7);
-    a.on_count = static_cast<int>(query.Int(8));
-    a.off_count = static_cast<int>(query.Int(9));
-    a.value = query.Real(10);
-    a.std = query.Real(11);
-    a.limit = query.Real(12);
-    a.unit = query.Text(13);
-    a.text = query.Text(14);
-    a.raised_time = query.Real(15);
-    a.raised_wall = query.Real(16);
-    a.raised_stroke = query.Int(17);
-    a.first_stroke = query.Int(18);
-    a.last_stroke = query.Int(19);
+    query.Read(8, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
+               a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke);
     a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
                SplitNames(query.Text(21))};
     a.words = {
@@ -211,13 +196,12 @@ void StoreAlarm(Connection& connection, const std::string& machine, const AlarmS
   Query(connection,
         "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
         "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
-        static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
-        shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
-        a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
-        fmt::format("{}", fmt::join(a.cause.effects, ",")), a.words.finding.english, a.words.finding.german,
-        a.words.evidence.english, a.words.evidence.german, a.words.action.english, a.words.action.german,
-        fmt::format("{}", fmt::join(a.quantities, ",")))
+        machine, a.id, SeverityName(a.severity), a.active, a.acknowledged, a.latched, a.out_of_service,
+        a.suppressed, shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text,
+        a.raised_time, a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke,
+        static_cast<int>(a.cause.kind), fmt::format("{}", fmt::join(a.cause.effects, ",")),
+        a.words.finding.english, a.words.finding.german, a.words.evidence.english, a.words.evidence.german,
+        a.words.action.english, a.words.action.german, fmt::format("{}", fmt::join(a.quantities, ",")))
       .Run();
 }
 
@@ -245,28 +229,13 @@ void AppendRow(Connection& connection, std::int64_t sequence, const std::string&
 }
 
 JournalRow ReadRow(const Query& q) {
-  JournalRow row{q.Int(0), q.Text(1), q.Real(2), {}};
+  JournalRow row;
   AlarmEvent& e = row.event;
-  e.time = q.Real(3);
-  e.stroke = q.Int(4);
-  e.alarm = q.Text(5);
-  e.event = q.Text(6);
-  e.state_before = q.Text(7);
-  e.state = q.Text(8);
-  e.severity = Severity(q.Text(9));
-  e.value = q.Real(10);
-  e.std = q.Real(11);
-  e.limit = q.Real(12);
-  e.unit = q.Text(13);
-  e.oil_temperature = q.Real(14);
-  e.model_version = static_cast<int>(q.Int(15));
-  e.reference_version = static_cast<int>(q.Int(16));
-  e.user = q.Text(17);
-  e.comment = q.Text(18);
-  e.text = q.Text(19);
-  e.first_stroke = q.Int(20);
-  e.last_stroke = q.Int(21);
-  e.cause = q.Text(22);
+  std::string severity;
+  q.Read(0, row.sequence, row.machine, row.wall, e.time, e.stroke, e.alarm, e.event, e.state_before, e.state,
+         severity, e.value, e.std, e.limit, e.unit, e.oil_temperature, e.model_version, e.reference_version,
+         e.user, e.comment, e.text, e.first_stroke, e.last_stroke, e.cause);
+  e.severity = Severity(severity);
   return row;
 }
 

@@ -105,6 +105,11 @@ class Query {
   bool IsNull(int column) const { return statement_.getColumn(column).isNull(); }
   /// Valid until the next Step.
   std::span<const std::uint8_t> Blob(int column) const;
+  /// The columns from `column` on, in order.
+  template <typename... Values>
+  void Read(int column, Values&... values) const {
+    (Get(column++, values), ...);
+  }
 
  private:
   void Bind(std::int64_t value) { statement_.bind(++bound_, value); }
@@ -113,6 +118,12 @@ class Query {
   void Bind(const std::string& value) { statement_.bind(++bound_, value); }
   void Bind(const char* value) { statement_.bind(++bound_, value); }
   void Bind(const std::vector<std::uint8_t>& blob);
+  template <typename Integer>
+  void Get(int column, Integer& value) const {
+    value = static_cast<Integer>(Int(column));
+  }
+  void Get(int column, double& value) const { value = Real(column); }
+  void Get(int column, std::string& value) const { value = Text(column); }
 
   SQLite::Statement& statement_;
   int bound_ = 0;

@@ -86,14 +86,10 @@ Result<std::vector<RawExtent>> Database::RawExtents(std::int64_t machine) const 
                 "WHERE r.machine = ? GROUP BY r.id ORDER BY r.id",
                 machine);
     std::vector<RawExtent> extents;
-    while (query.Step())
-      extents.push_back({.run = query.Int(0),
-                         .rows = query.Int(1),
-                         .bytes = query.Int(2),
-                         .chunks = query.Int(3),
-                         .first = query.Real(4),
-                         .last = query.Real(5),
-                         .rows_taken = query.Int(6)});
+    while (query.Step()) {
+      RawExtent& e = extents.emplace_back();
+      query.Read(0, e.run, e.rows, e.bytes, e.chunks, e.first, e.last, e.rows_taken);
+    }
     return extents;
   });
 }
@@ -120,12 +116,10 @@ Result<std::vector<ValveCheckRecord>> Database::ValveChecks(std::int64_t machine
             machine);
     std::vector<ValveCheckRecord> checks;
     while (q.Step()) {
-      ValveCheckRecord c{.begin = q.Real(0), .outcome = q.Text(1), .detail = q.Text(2)};
-      int column = 3;
-      for (double* value : {&c.f0, &c.f0_std, &c.damping, &c.damping_std, &c.gain, &c.gain_std, &c.dead_time,
-                            &c.dead_time_std, &c.bandwidth, &c.bandwidth_std, &c.amplitude,
-                            &c.supply_pressure, &c.oil_temperature})
-        *value = q.Real(column++);
+      ValveCheckRecord c;
+      q.Read(0, c.begin, c.outcome, c.detail, c.f0, c.f0_std, c.damping, c.damping_std, c.gain, c.gain_std,
+             c.dead_time, c.dead_time_std, c.bandwidth, c.bandwidth_std, c.amplitude, c.supply_pressure,
+             c.oil_temperature);
       checks.push_back(std::move(c));
     }
     return checks;

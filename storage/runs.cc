@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "storage/connection.h"
 #include "storage/database.h"
@@ -11,15 +10,11 @@ constexpr const char* kRunColumns =
 
 RunInfo ReadRun(const Query& query) {
   RunInfo run;
-  run.id = query.Int(0);
-  run.source = query.Text(1);
-  run.fingerprint = query.Text(2);
-  run.strokes = query.Int(3);
-  run.first_sequence = query.Int(4);
-  run.complete = query.Text(5) == "complete";
-  run.abandoned = query.Text(5) == "abandoned";
-  run.summary_json = query.Text(6);
-  run.model_version = static_cast<int>(query.Int(7));
+  std::string state;
+  query.Read(0, run.id, run.source, run.fingerprint, run.strokes, run.first_sequence, state, run.summary_json,
+             run.model_version);
+  run.complete = state == "complete";
+  run.abandoned = state == "abandoned";
   return run;
 }
 

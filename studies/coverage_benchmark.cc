@@ -1,5 +1,3 @@
-#include "studies/coverage_benchmark.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 
 #include "core/constants.h"
 #include "host/output.h"
+#include "studies/benchmarks.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {

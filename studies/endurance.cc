@@ -1,5 +1,3 @@
-#include "studies/endurance.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -16,6 +14,7 @@
 #include "estimation/recursive/recursive_least_squares.h"
 #include "host/output.h"
 #include "simulator/random.h"
+#include "studies/benchmarks.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {

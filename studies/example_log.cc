@@ -1,5 +1,3 @@
-#include "studies/example_log.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 
 #include "core/constants.h"
 #include "host/output.h"
+#include "studies/benchmarks.h"
 #include "workbench/fit_log.h"
 
 namespace hydroscope {

@@ -1,5 +1,3 @@
-#include "studies/filter_study.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -14,6 +12,7 @@
 #include "estimation/trend_statistics.h"
 #include "host/output.h"
 #include "simulator/random.h"
+#include "studies/benchmarks.h"
 #include "studies/filter_study_plot.h"
 #include "studies/simulated_strokes.h"
 

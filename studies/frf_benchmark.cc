@@ -1,5 +1,3 @@
-#include "studies/frf_benchmark.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "core/constants.h"
 #include "estimation/frequency_response/frequency_response.h"
 #include "simulator/valve/valve_sweep.h"
+#include "studies/benchmarks.h"
 
 namespace hydroscope {
 namespace {

@@ -1,11 +1,8 @@
-#include "studies/hidden_effects_benchmark.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -18,6 +15,7 @@
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/whiteness.h"
 #include "host/output.h"
+#include "studies/benchmarks.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 

@@ -1,5 +1,3 @@
-#include "studies/late_signals_benchmark.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "diagnosis/explain.h"
 #include "host/output.h"
 #include "simulator/die_cushion/press.h"
+#include "studies/benchmarks.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 

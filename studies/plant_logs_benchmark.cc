@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
-#include <map>
 
 #include "core/units.h"
 #include "host/output.h"
 #include "pipeline/geometry_tolerance.h"
 #include "simulator/die_cushion/press.h"
 #include "studies/parallel.h"
-#include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/fit_suspicion.h"

@@ -96,8 +96,6 @@ const std::vector<std::string> kNameAllThings = {"studies/", "cli/machines/"};
 const std::map<std::string, std::string> kNameThings = {
     {"setup/column_names.cc", "what logs call the signals of hydraulic machines, whatever the machine"},
     {"models/machine.h", "signals that [valve] means where it names none"},
-    {"cli/open.cc", "simulated presses that the page offers as examples"},
-    {"cli/simulate_press.cc", "the command that simulates a press"},
     {"cli/frequency_response/frf_report.cc",
      "JSON of a valve's response, whose gain has the name of a pump's spring"},
 };

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "core/constants.h"
 #include "report/svg_sheet.h"

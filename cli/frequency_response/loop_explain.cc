@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/frequency_response/loop_report.h"
 #include "diagnosis/closed_loop/change.h"
 #include "host/output.h"
@@ -60,8 +61,8 @@ Status ExplainClosedLoop(const std::string& log, const std::string& since, const
   const auto after = StateOf(*measured);
   if (!after) return tl::unexpected(after.error());
   const LoopComparison comparison = CompareLoopStates(*ClosedLoopOf(*machine), *before, *after);
-  if (json != "-") Say(LoopChangeText(comparison, *measured, *machine, since));
-  return json.empty() ? Status() : WriteJson(json, LoopChangeJson(comparison, *measured, *machine, since));
+  return Answer(LoopChangeText(comparison, *measured, *machine, since),
+                LoopChangeJson(comparison, *measured, *machine, since), json);
 }
 
 }  // namespace hydroscope

@@ -1,16 +1,14 @@
 #include "studies/flexible_axis.h"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
 #include "cli/study_command.h"
-#include "host/output.h"
 #include "simulator/flexible_axis/log.h"
 
 namespace hydroscope {
@@ -71,10 +69,7 @@ void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
       "Examples:\n"
       "  hydroscope simulate flexible-axis --out axis.csv --manoeuvre staircase --truth axis.json\n"
       "  hydroscope simulate flexible-axis --out air.csv --manoeuvre staircase --effect free_air=0.01");
-  app->callback([a, &exit_code] {
-    const Status status = RunFlexibleAxisSimulation(*a);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*app, exit_code, [a] { return RunFlexibleAxisSimulation(*a); });
 }
 
 void AddBenchmarkFlexibleAxis(CLI::App& benchmark, int& exit_code) {

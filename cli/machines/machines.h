@@ -6,7 +6,11 @@ class App;
 
 namespace hydroscope {
 
-/// The simulated machines beside press and valve. Each lives in cli/machines/<name>.cc and adds `simulate <name>`, a log
+/// `simulate press` and `simulate valve`.
+void AddSimulatePress(CLI::App& simulate, int& exit_code);
+void AddSimulateValve(CLI::App& simulate, int& exit_code);
+
+/// The other simulated machines. Each lives in cli/machines/<name>.cc and adds `simulate <name>`, a log
 /// whose truth is known, and `benchmark <name>`, our figures beside published ones: one line here.
 #define HYDROSCOPE_SIMULATED_MACHINES(_) \
   _(TestCylinder)                        \

@@ -6,10 +6,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
 #include "cli/study_command.h"
-#include "host/output.h"
 #include "studies/manipulator/benchmark.h"
 
 namespace hydroscope {
@@ -105,10 +105,7 @@ void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate manipulator --out arm.csv --truth arm.json\n"
       "  hydroscope simulate manipulator --out heavy.csv --effect payload=80\n"
       "  hydroscope simulate manipulator --out path.csv --motion parallelogram --control true --seconds 27");
-  app->callback([a, &exit_code] {
-    const Status status = RunSimulation(*a);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*app, exit_code, [a] { return RunSimulation(*a); });
 }
 
 void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {

@@ -1,14 +1,13 @@
-#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
 #include "cli/study_command.h"
-#include "host/output.h"
 #include "simulator/pump/log.h"
 #include "studies/pump/benchmark.h"
 
@@ -81,10 +80,7 @@ void AddSimulatePump(CLI::App& simulate, int& exit_code) {
               "  hydroscope simulate pump --out pump.csv --truth pump.json\n"
               "  hydroscope simulate pump --out sticky.csv --effect sticking_spool\n"
               "  hydroscope simulate pump --out pulse.csv --manoeuvre pulse --seed 2");
-  app->callback([a, app, &exit_code] {
-    const Status status = RunPumpSimulation(*a, *app);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*app, exit_code, [a, app] { return RunPumpSimulation(*a, *app); });
 }
 
 void AddBenchmarkPump(CLI::App& benchmark, int& exit_code) {

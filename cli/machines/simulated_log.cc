@@ -15,10 +15,7 @@ void AddFiles(CLI::App& app, SimulatedLogFiles& files) {
 }
 
 Status WriteSimulated(const SimulatedLogFiles& files, std::string_view log, const nlohmann::json& truth) {
-  auto sink = TextSink::Open(files.out);
-  if (!sink) return tl::unexpected(sink.error());
-  sink->Write(log);
-  if (const Status closed = sink->Close(); !closed || files.truth.empty()) return closed;
+  if (const Status written = WriteWhole(files.out, log); !written || files.truth.empty()) return written;
   return WriteJson(files.truth, truth);
 }
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/command_answer.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
 #include "cli/study_command.h"
-#include "host/output.h"
 #include "studies/test_cylinder_benchmark.h"
 
 namespace hydroscope {
@@ -101,10 +101,7 @@ void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate test-cylinder --out exchanged.csv --valve 38 --seed 2\n"
       "  hydroscope simulate test-cylinder --out air.csv --trapped-air 0.003 --seed 3\n"
       "  hydroscope simulate test-cylinder --out worn.csv --seconds 3600 --drift-K-sv=-1e-4 --drift-from 2400");
-  app->callback([a, app, &exit_code] {
-    const Status status = WriteTestCylinder(*a, *app);
-    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
-  });
+  RunsAs(*app, exit_code, [a, app] { return WriteTestCylinder(*a, *app); });
 }
 
 void AddBenchmarkTestCylinder(CLI::App& benchmark, int& exit_code) {

@@ -5,12 +5,12 @@
 #include <cstdlib>
 
 #include "core/told_error.h"
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/generic_laws.h"
 #include "machines/die_cushion/library.h"
 #include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
 #include "models/smooth_rate.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope {
 
@@ -67,38 +67,12 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
 
 std::vector<Column> BaseColumns(double area) {
   return {
-      {"flow_area",
-       [](const Stretch& s, double&, std::span<double> out) {
-         const double *root = s[kFlowRoot], *y = s[kSpool];
-         wide::IntegrateOverTime(
-             s, [=](int k) { return root[k] * y[k]; }, out);
-       },
+      {"flow_area", IntegralOverTime<kFlowRoot, kSpool>([](double root, double y) { return root * y; }),
        true},
-      {"dead_volume",
-       [](const Stretch& s, double&, std::span<double> out) {
-         const double* p = s[kPressureA];
-         wide::Differences(
-             s, [=](int k) { return p[k]; }, out);
-       }},
-      {"stroke_volume",
-       [](const Stretch& s, double&, std::span<double> out) {
-         const double *p = s[kPressureA], *z = s[kPosition];
-         wide::IntegrateOver(
-             s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
-       }},
-      {"flow_null",
-       [](const Stretch& s, double&, std::span<double> out) {
-         const double* root = s[kFlowRoot];
-         wide::IntegrateOverTime(
-             s, [=](int k) { return root[k]; }, out);
-       },
-       true},
-      {"piston_volume",
-       [area](const Stretch& s, double&, std::span<double> out) {
-         const double* z = s[kPosition];
-         wide::Differences(
-             s, [=](int k) { return area * z[k]; }, out);
-       }},
+      {"dead_volume", ChangeOf<kPressureA>()},
+      {"stroke_volume", IntegralOver(Of<kPosition>(), Of<kPressureA>())},
+      {"flow_null", IntegralOverTime<kFlowRoot>(), true},
+      {"piston_volume", ChangeOf<kPosition>([area](double z) { return area * z; })},
   };
 }
 

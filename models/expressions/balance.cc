@@ -1,7 +1,5 @@
 #include "models/expressions/balance.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -111,6 +109,23 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
   }
 }
 
+/// All channels, in the unit of their signal or of what they are computed from.
+void ShowChannels(const Machine& machine, ModelStructure& model) {
+  for (std::size_t c = 0; c < model.channel_names.size(); ++c) {
+    const std::string& name = model.channel_names[c];
+    const auto checked = CheckExpression(name, ExpressionNamesOf(machine));
+    const bool exact = checked && checked->unit.exact;
+    ModelStructure::ShownChannel shown = {static_cast<int>(c),
+                                          exact ? SiUnitName(checked->unit.dimension) : ""};
+    if (const DisplayUnit unit = ShownUnit(machine, name);
+        machine.SignalIndex(name) >= 0 && unit.offset == 0) {
+      shown.display = unit.name;
+      shown.factor = unit.factor;
+    }
+    model.shown.push_back(std::move(shown));
+  }
+}
+
 }  // namespace
 
 ExpressionNames NamesForDerived(const Machine& machine) { return Derivation::DerivedNames(machine); }
@@ -166,18 +181,7 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
     effects.push_back(std::make_shared<const Effect>(std::move(*effect)));
   }
   model->derive_channels = channels.Derivation();
-  for (std::size_t c = 0; c < model->channel_names.size(); ++c) {
-    const auto checked = CheckExpression(model->channel_names[c], ExpressionNamesOf(machine));
-    const bool exact = checked && checked->unit.exact;
-    ModelStructure::ShownChannel shown = {static_cast<int>(c),
-                                          exact ? SiUnitName(checked->unit.dimension) : ""};
-    if (const DisplayUnit unit = ShownUnit(machine, model->channel_names[c]);
-        machine.SignalIndex(model->channel_names[c]) >= 0 && unit.offset == 0) {
-      shown.display = unit.name;
-      shown.factor = unit.factor;
-    }
-    model->shown.push_back(std::move(shown));
-  }
+  ShowChannels(machine, *model);
   AddLibrary(std::move(effects), *model);
   return model;
 }

@@ -1,6 +1,5 @@
 #include "models/expressions/graph.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/limits.h"
 #include "models/machine_file/keys.h"

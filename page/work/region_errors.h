@@ -3,13 +3,12 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/units.h"
-#include "page/work/region.h"
 #include "workbench/compare_log.h"
 #include "workbench/explain/explain_log.h"
+#include "workbench/region_errors.h"
 #include "workbench/states/states_log.h"
 
 namespace hydroscope {
@@ -36,14 +35,10 @@ class RegionErrors {
   nlohmann::json ModelledWith(const std::string& effect, std::int64_t stroke) const;
 
  private:
-  struct WithEffect {
-    std::string effect;
-    std::vector<std::vector<double>> modelled;  ///< per stroke, per window, output unit
-  };
   std::vector<std::int64_t> strokes_;  ///< of each of `residuals_`; pieces of an episode follow one another
   Residuals residuals_;
   DisplayUnit unit_;
-  std::vector<WithEffect> effects_;
+  std::vector<ModelledWithEffect> effects_;
 };
 
 }  // namespace hydroscope

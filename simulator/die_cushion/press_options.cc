@@ -8,23 +8,10 @@
 #include "simulator/die_cushion/effects.h"
 #include "simulator/die_cushion/imperfections.h"
 #include "simulator/die_cushion/sensors.h"
+#include "simulator/ranges.h"
 
 namespace hydroscope {
 namespace {
-
-struct Range {
-  const char* name;
-  double value, low, high;
-  const char* unit;
-};
-
-Status CheckRanges(const std::vector<Range>& ranges) {
-  for (const Range& r : ranges)
-    if (!(r.value >= r.low && r.value <= r.high))
-      return UsageError("{} is {} {}; it must lie between {} and {} {}", r.name, r.value, r.unit, r.low,
-                        r.high, r.unit);
-  return {};
-}
 
 Status CheckFaults(const std::vector<SensorFault>& faults) {
   for (const SensorFault& fault : faults) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "simulator/random.h"
+#include "simulator/ranges.h"
 
 namespace hydroscope {
 namespace {
@@ -109,18 +110,14 @@ const std::vector<AxisManoeuvreInfo>& AllAxisManoeuvres() {
 }
 
 Status Validate(const FlexibleAxisOptions& o) {
-  const auto within = [](const char* name, double value, double low, double high) -> Status {
-    if (value >= low && value <= high) return {};
-    return UsageError("{} {} is not within {} ... {}", name, value, low, high);
-  };
-  for (const Status& s :
-       {within("rows", o.rows, 2, 1e6), within("period", o.period, 1e-5, 0.01),
-        within("filter", o.sensors.filter, 0, 1e4), within("bits", o.sensors.bits, 0, 24),
-        within("coloured", o.sensors.coloured, 0, 0.999),
-        within("spring_loss", o.faults.spring_loss, 0, 0.95),
-        within("supply_drop", o.faults.supply_drop, 0, 10e6), within("free_air", o.faults.free_air, 0, 0.5)})
-    if (!s) return s;
-  return {};
+  return CheckRanges({{"rows", static_cast<double>(o.rows), 2, 1e6},
+                      {"period", o.period, 1e-5, 0.01},
+                      {"filter", o.sensors.filter, 0, 1e4},
+                      {"bits", static_cast<double>(o.sensors.bits), 0, 24},
+                      {"coloured", o.sensors.coloured, 0, 0.999},
+                      {"spring_loss", o.faults.spring_loss, 0, 0.95},
+                      {"supply_drop", o.faults.supply_drop, 0, 10e6},
+                      {"free_air", o.faults.free_air, 0, 0.5}});
 }
 
 FlexibleAxisMachine RandomFlexibleAxis(std::uint64_t seed) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "simulator/random.h"
+#include "simulator/ranges.h"
 
 namespace hydroscope {
 namespace {
@@ -103,19 +104,16 @@ const std::vector<PumpManoeuvreInfo>& AllPumpManoeuvres() {
 }
 
 Status Validate(const PumpOptions& o) {
-  const auto within = [](const char* name, double value, double low, double high) -> Status {
-    if (value >= low && value <= high) return {};
-    return UsageError("{} {} is not within {} ... {}", name, value, low, high);
-  };
-  for (const Status& s :
-       {within("seconds", o.seconds, 0.5, 3600), within("wear", o.wear, 0, 10),
-        within("period", o.period, 2e-5, 2e-3), within("speed", o.speed, 50, 1000),
-        within("speed_swing", o.speed_swing, 0, 0.6), within("ripple", o.ripple, 0, 10),
-        within("flow_lag", o.sensors.flow_lag, 0, 0.1), within("preload", o.machine.preload, 100, 2500),
-        within("weak_spring", o.faults.weak_spring, 0, 0.9),
-        within("suction_air", o.faults.suction_air, 0, 0.5)})
-    if (!s) return s;
-  return {};
+  return CheckRanges({{"seconds", o.seconds, 0.5, 3600},
+                      {"wear", o.wear, 0, 10},
+                      {"period", o.period, 2e-5, 2e-3},
+                      {"speed", o.speed, 50, 1000},
+                      {"speed_swing", o.speed_swing, 0, 0.6},
+                      {"ripple", o.ripple, 0, 10},
+                      {"flow_lag", o.sensors.flow_lag, 0, 0.1},
+                      {"preload", o.machine.preload, 100, 2500},
+                      {"weak_spring", o.faults.weak_spring, 0, 0.9},
+                      {"suction_air", o.faults.suction_air, 0, 0.5}});
 }
 
 PumpOptions RandomPump(std::uint64_t seed) {

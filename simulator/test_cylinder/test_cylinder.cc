@@ -10,6 +10,7 @@
 #include "core/constants.h"
 #include "simulator/delay_line.h"
 #include "simulator/random.h"
+#include "simulator/ranges.h"
 #include "simulator/test_cylinder/coloured_noise.h"
 #include "simulator/test_cylinder/plant.h"
 
@@ -119,27 +120,32 @@ double CurrentOf(TestCylinderOptions o, double low, double high) {
 }  // namespace
 
 Status Validate(const TestCylinderOptions& o) {
-  const auto check = [](const char* name, double value, double low, double high, const char* unit) -> Status {
-    if (value >= low && value <= high) return {};
-    return UsageError("{} is {} {}; it must lie between {} and {} {}", name, value, unit, low, high, unit);
-  };
-  for (const Status& s :
-       {check("f_h", o.f_h, 20, 1000, "Hz"), check("zeta_h", o.zeta_h, 0.02, 3, "1"),
-        check("f_sv", o.f_sv, 10, 1000, "Hz"), check("K_sv", o.K_sv, 1e-4, 1, "m3/(s A)"),
-        check("leak share", o.leak_share, 0, 1, "1"), check("seconds", o.seconds, 1, 1e5, "s"),
-        check("sample period", o.sample_period, 5e-5, 1e-3, "s"),
-        check("excitation", o.excitation, 0, 1, "A"), check("low share", o.low_share, 0, 1, "1"),
-        check("noise", o.noise, 0, 1, "m"), check("disturbance", o.disturbance, 0, 1, "A"),
-        check("crossover", o.crossover, 0.1, 30, "Hz"), check("integral time", o.integral_time, 0, 1e4, "s"),
-        check("derivative time", o.derivative_time, 0, 0.01, "s"),
-        check("Coulomb friction", o.coulomb, 0, 1e4, "N"),
-        check("sensor delay", o.sensor_delay, 0, 5e-3, "s"), check("saturation", o.saturation, 0, 1, "A"),
-        check("trapped air", o.trapped_air, 0, 0.5, "1"), check("specimen", o.specimen, 0, 1e9, "N/m")})
-    if (!s) return s;
+  if (const Status s = CheckRanges({{"f_h", o.f_h, 20, 1000, "Hz"},
+                                    {"zeta_h", o.zeta_h, 0.02, 3, "1"},
+                                    {"f_sv", o.f_sv, 10, 1000, "Hz"},
+                                    {"K_sv", o.K_sv, 1e-4, 1, "m3/(s A)"},
+                                    {"leak share", o.leak_share, 0, 1, "1"},
+                                    {"seconds", o.seconds, 1, 1e5, "s"},
+                                    {"sample period", o.sample_period, 5e-5, 1e-3, "s"},
+                                    {"excitation", o.excitation, 0, 1, "A"},
+                                    {"low share", o.low_share, 0, 1, "1"},
+                                    {"noise", o.noise, 0, 1, "m"},
+                                    {"disturbance", o.disturbance, 0, 1, "A"},
+                                    {"crossover", o.crossover, 0.1, 30, "Hz"},
+                                    {"integral time", o.integral_time, 0, 1e4, "s"},
+                                    {"derivative time", o.derivative_time, 0, 0.01, "s"},
+                                    {"Coulomb friction", o.coulomb, 0, 1e4, "N"},
+                                    {"sensor delay", o.sensor_delay, 0, 5e-3, "s"},
+                                    {"saturation", o.saturation, 0, 1, "A"},
+                                    {"trapped air", o.trapped_air, 0, 0.5, "1"},
+                                    {"specimen", o.specimen, 0, 1e9, "N/m"}});
+      !s)
+    return s;
   constexpr double kMostDrift = 0.5;  // at the end of the log
   const double seconds = std::max(0.0, o.seconds - o.drift.from);
   for (const double rate : {o.drift.f_h, o.drift.zeta_h, o.drift.f_sv, o.drift.K_sv})
-    if (const Status s = check("drift at the end of the log", rate * seconds, -kMostDrift, kMostDrift, "1");
+    if (const Status s =
+            CheckRanges({{"drift at the end of the log", rate * seconds, -kMostDrift, kMostDrift, "1"}});
         !s)
       return s;
   return {};

@@ -10,6 +10,7 @@
 
 #include "simulator/die_cushion/valve.h"
 #include "simulator/random.h"
+#include "simulator/ranges.h"
 
 namespace hydroscope {
 namespace {
@@ -46,21 +47,19 @@ class SteppedSine {
 }  // namespace
 
 Status Validate(const ValveSweepOptions& o) {
-  const auto check = [](const char* name, double value, double low, double high, const char* unit) -> Status {
-    if (value >= low && value <= high) return {};
-    return UsageError("{} is {} {}; it must lie between {} and {} {}", name, value, unit, low, high, unit);
-  };
   if (o.frequencies.empty()) return UsageError("a sweep needs at least one frequency");
   for (const double f : o.frequencies)
-    if (const Status s = check("frequency", f, 0.01, o.sample_rate / 2, "Hz"); !s) return s;
-  for (const Status& s :
-       {check("amplitude", o.amplitude, 1e-6, 1, "of full scale"), check("hold", o.hold, 0.01, 1e4, "s"),
-        check("sample rate", o.sample_rate, 10, 1e5, "Hz"), check("update rate", o.update_rate, 0, 1e5, "Hz"),
-        check("f0", o.f0, 1, 5000, "Hz"), check("damping", o.damping, 0.05, 5, "1"),
-        check("gain", o.gain, 1e-3, 100, "1"), check("dead time", o.dead_time, 0, 0.1, "s"),
-        check("noise", o.noise, 0, 1, "1"), check("command noise", o.command_noise, 0, kSweepFullScale, "V")})
-    if (!s) return s;
-  return {};
+    if (const Status s = CheckRanges({{"frequency", f, 0.01, o.sample_rate / 2, "Hz"}}); !s) return s;
+  return CheckRanges({{"amplitude", o.amplitude, 1e-6, 1, "of full scale"},
+                      {"hold", o.hold, 0.01, 1e4, "s"},
+                      {"sample rate", o.sample_rate, 10, 1e5, "Hz"},
+                      {"update rate", o.update_rate, 0, 1e5, "Hz"},
+                      {"f0", o.f0, 1, 5000, "Hz"},
+                      {"damping", o.damping, 0.05, 5, "1"},
+                      {"gain", o.gain, 1e-3, 100, "1"},
+                      {"dead time", o.dead_time, 0, 0.1, "s"},
+                      {"noise", o.noise, 0, 1, "1"},
+                      {"command noise", o.command_noise, 0, kSweepFullScale, "V"}});
 }
 
 ValveSweepLog SimulateValveSweep(const ValveSweepOptions& o) {

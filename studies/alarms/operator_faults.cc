@@ -3,12 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "acquisition/modbus/link.h"
-#include "alarms/feeds/modbus/register_map.h"
 #include "host/output.h"
 #include "simulator/dds/publisher.h"
 #include "storage/mounted_disk.h"

@@ -1,5 +1,3 @@
-#include "studies/drift/drift_benchmark.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "host/output.h"
 #include "simulator/valve/valve_sweep.h"
+#include "studies/drift/drift_benchmarks.h"
 #include "studies/drift/drift_press.h"
 #include "studies/parallel.h"
 

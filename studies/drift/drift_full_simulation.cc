@@ -1,5 +1,3 @@
-#include "studies/drift/drift_full_simulation.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "core/quantile.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "host/output.h"
+#include "studies/drift/drift_benchmarks.h"
 #include "studies/drift/drift_press.h"
 #include "studies/simulated_strokes.h"
 

@@ -1,5 +1,3 @@
-#include "studies/drift/since_benchmark.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include "host/output.h"
 #include "simulator/die_cushion/effects.h"
 #include "simulator/die_cushion/press.h"
+#include "studies/drift/drift_benchmarks.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_replay.h"
 #include "workbench/explain/explain_change.h"

@@ -1,5 +1,3 @@
-#include "studies/drift/thirty_runs.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -13,6 +11,7 @@
 #include "estimation/gram_fit.h"
 #include "host/output.h"
 #include "storage/database.h"
+#include "studies/drift/drift_benchmarks.h"
 #include "studies/simulated_replay.h"
 #include "workbench/history/trend_analysis.h"
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <iostream>
 
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -60,47 +59,66 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
   return watch ? (*watch)->CatchUp(WallSeconds()) : tl::unexpected(watch.error());
 }
 
-}  // namespace
+/// What the service did while it was measured.
+struct ServedTime {
+  nlohmann::json first, last;  ///< its status at begin and end
+  ProcessUse before, after;
+  double seconds = 0;
 
-int RunLiveLatency(const LiveLatencyOptions& o) {
-  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
-  if (o.history > 0)
-    if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
+  std::int64_t Rose(const char* counter) const {
+    return SumOverAxes(last, counter) - SumOverAxes(first, counter);
+  }
+};
+
+Result<ServedTime> Serve(LiveRig& rig, const LiveLatencyOptions& o) {
   rig.StartPress();
   rig.StartService();
   const auto running = [](const nlohmann::json& s) {
     return !s.at("axes").empty() && SumOverAxes(s, "rows") > 0;
   };
   if (!rig.WaitFor(running, 20))
-    return ReportError(
-        {ErrorKind::kInternal,
-         "the service received nothing from the simulated press within 20 s" + rig.LastWords()});
+    return InternalError("the service received nothing from the simulated press within 20 s{}",
+                         rig.LastWords());
   Sleep(kSettle);
+  ServedTime served;
   const auto first = rig.Ask();
   const double begin = Now();
-  const ProcessUse before = UseOf(std::to_string(rig.service().pid()));
+  served.before = UseOf(std::to_string(rig.service().pid()));
   ProgressBar progress("serving", "s");
   while (Now() - begin < o.seconds) {
     Sleep(0.5);
     progress.Update((Now() - begin) / o.seconds, static_cast<std::int64_t>(Now() - begin));
   }
-  const double measured = Now() - begin;
-  const ProcessUse after = UseOf(std::to_string(rig.service().pid()));
+  served.seconds = Now() - begin;
+  served.after = UseOf(std::to_string(rig.service().pid()));
   const auto last = rig.Ask();
-  if (!first || !last) return ReportError({ErrorKind::kInternal, "the service does not answer"});
+  if (!first || !last) return InternalError("the service does not answer");
+  served.first = *first;
+  served.last = *last;
+  return served;
+}
+
+}  // namespace
+
+int RunLiveLatency(const LiveLatencyOptions& o) {
+  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
+  if (o.history > 0)
+    if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
+  const auto served = Serve(rig, o);
+  if (!served) return ReportError(served.error());
   const int nice = rig.nice();
   const int ended = rig.service().End(SIGTERM);
   const auto replays = CountReplays(rig.database());
   if (!replays) return ReportError(replays.error());
 
-  const auto& writer = last->at("writer");
+  const double measured = served->seconds;
+  const auto& writer = served->last.at("writer");
   const double p99 = writer.at("latency_p99_s").get<double>();
   const double allowed = LatencyAllowed(o.axes);
-  const double share = (after.cpu - before.cpu) / measured;
-  const double rows = static_cast<double>(SumOverAxes(*last, "rows") - SumOverAxes(*first, "rows"));
-  const std::int64_t lost = SumOverAxes(*last, "missing_rows") - SumOverAxes(*first, "missing_rows") +
-                            SumOverAxes(*last, "skipped_rows") - SumOverAxes(*first, "skipped_rows");
-  const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
+  const double share = (served->after.cpu - served->before.cpu) / measured;
+  const auto rows = static_cast<double>(served->Rose("rows"));
+  const std::int64_t lost = served->Rose("missing_rows") + served->Rose("skipped_rows");
+  const std::int64_t dropped = served->last.at("inbox").at("dropped_values").get<std::int64_t>() +
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
   const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
@@ -116,7 +134,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   Print("pipeline to estimate stored, p99",
         fmt::format("{:.1f} ms", writer.at("commit_p99_s").get<double>() * 1e3), "", true);
   Print("share of one core", fmt::format("{:.1f} %", share * 100), four ? "at most 15 %" : "", share <= 0.15);
-  Print("memory", fmt::format("{} MB", after.memory >> 20), "", true);
+  Print("memory", fmt::format("{} MB", served->after.memory >> 20), "", true);
   Print("rows per axis and second", fmt::format("{:.1f}", rows / o.axes / measured),
         fmt::format("{:g} within 2 %", o.rate), std::abs(rows / o.axes / measured / o.rate - 1) < 0.02);
   Print("rows missing", fmt::format("{}", lost), "none", lost == 0);

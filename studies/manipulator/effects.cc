@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <mutex>
 
 #include "diagnosis/states/explain_states.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "studies/manipulator/identification.h"
 
 namespace hydroscope {

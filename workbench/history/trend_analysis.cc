@@ -276,7 +276,6 @@ ModelErrorAnalysis AnalyseError(const RecordedHistory& history) {
   ModelErrorAnalysis error;
   error.median_rms = Median(rms, kNaN);
   error.median_floor = Median(floors, kNaN);
-  error.median_ratio = Median(ratios, kNaN);
   error.ratio = CompareThirds(ratios, {}, 0);
   return error;
 }

@@ -98,8 +98,7 @@ struct ParameterAnalysis {
 
 struct ModelErrorAnalysis {
   double median_rms = 0, median_floor = 0;  ///< of the strokes, SI; NaN without strokes
-  double median_ratio = 0;  ///< of the strokes' rms error over their noise floor; NaN without strokes
-  ThirdsComparison ratio;   ///< of that ratio
+  ThirdsComparison ratio;                   ///< of the strokes' rms error over their noise floor
 };
 
 struct TrendAnalysis {

@@ -1,10 +1,9 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -46,12 +45,9 @@ Effect Accumulator(const CushionGeometry&) {
   e.shown_by = kLowPressure;
   e.variant = [](const std::vector<double>& values) {
     const double exponent = values.size() > 1 ? values[1] : kPolytropic;
-    return PlainVariant([log_precharge = Log(values[0] / kAirPressure + 1.0), slope = 1.0 / exponent](
-                            const Stretch& s, double&, std::span<double> out) {
-      const double* log_p = s[kLogAbsolute];
-      wide::Differences(
-          s, [=](int k) { return -TakenUp(log_p[k], log_precharge, slope); }, out);
-    });
+    return PlainVariant(
+        ChangeOf<kLogAbsolute>([log_precharge = Log(values[0] / kAirPressure + 1.0), slope = 1.0 / exponent](
+                                   double log_p) { return -TakenUp(log_p, log_precharge, slope); }));
   };
   e.grid = {{40e5}, {80e5}, {120e5}, {160e5}};
   return e;

@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -34,19 +34,10 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.drifting = {"K", "K"};
 
   e.variant = [](const auto&) {
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *t = s[kTime];
-      wide::IntegrateOver(
-          s, [=](int k) { return -t[k]; }, [=](int k) { return p[k]; }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *z = s[kPosition], *t = s[kTime];
-      wide::IntegrateOver(
-          s, [=](int k) { return -t[k] * z[k]; }, [=](int k) { return p[k]; }, out);
-    };
-    return EffectVariant{{dead_volume, stroke_volume}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[1], c.theta[2]};
-                         }};
+    const auto dead_volume = IntegralOver(Of<kTime>([](double t) { return -t; }), Of<kPressureA>());
+    const auto stroke_volume =
+        IntegralOver(Of<kPosition, kTime>([](double z, double t) { return -t * z; }), Of<kPressureA>());
+    return EffectVariant{{dead_volume, stroke_volume}, WeightsOf<kDeadVolume, kStrokeVolume>};
   };
   return e;
 }

@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -34,13 +34,8 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
   e.drifting = {"V0", "V0"};
 
   e.variant = [](const auto&) {
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *t = s[kTime];
-      wide::IntegrateOver(
-          s, [=](int k) { return t[k]; }, [=](int k) { return p[k]; }, out);
-    };
-    return EffectVariant{{dead_volume},
-                         [](const ShapeContext& c) { return std::vector<double>{c.theta[1]}; }};
+    const auto dead_volume = IntegralOver(Of<kTime>(), Of<kPressureA>());
+    return EffectVariant{{dead_volume}, WeightsOf<kDeadVolume>};
   };
   return e;
 }

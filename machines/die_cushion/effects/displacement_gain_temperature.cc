@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -42,12 +42,9 @@ Effect DisplacementGainTemperature(const CushionGeometry&) {
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastScaleWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return -root[k] * y[k] * (t[k] - kStatedAt); }, out);
-    };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kOilTemperature>(
+        [](double root, double y, double t) { return -root * y * (t - kStatedAt); });
+    return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
   return e;
 }

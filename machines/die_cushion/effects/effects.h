@@ -62,10 +62,16 @@ namespace hydroscope::effects {
 /// Polytropic exponent of a gas that nobody has measured: isothermal 1.0 to adiabatic 1.4, all alike likely.
 inline constexpr double kPolytropic = 1.2, kPolytropicStd = 0.115;
 
-/// Weights of an effect whose columns are what it does to those of the base balance, in their order.
-inline std::vector<double> BaseWeights(const ShapeContext& c) {
-  return {c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+/// Columns of the base balance, in their order.
+enum BaseColumn { kFlowArea, kDeadVolume, kStrokeVolume, kFlowNull };
+
+/// Weights of an effect whose columns are what it does to these of the base balance.
+template <BaseColumn... kColumns>
+std::vector<double> WeightsOf(const ShapeContext& c) {
+  return {c.theta[kColumns]...};
 }
+/// ... to all four.
+inline constexpr auto BaseWeights = WeightsOf<kFlowArea, kDeadVolume, kStrokeVolume, kFlowNull>;
 
 #define HYDROSCOPE_DECLARE_EFFECT(Name) Effect Name(const CushionGeometry&);
 HYDROSCOPE_STORED_EFFECTS(HYDROSCOPE_DECLARE_EFFECT)

@@ -1,8 +1,7 @@
-#include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -14,19 +13,12 @@ double Left(double log_absolute, double slope) {
 }
 
 Column::Fill DeadVolume(double exponent) {
-  return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
-    const double* p = s[kLogAbsolute];
-    wide::Differences(
-        s, [=](int k) { return Left(p[k], slope); }, out);
-  };
+  return ChangeOf<kLogAbsolute>([slope = -1.0 / exponent](double p) { return Left(p, slope); });
 }
 
 Column::Fill StrokeVolume(double exponent) {
-  return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
-    const double *p = s[kLogAbsolute], *z = s[kPosition];
-    wide::IntegrateOver(
-        s, [=](int k) { return z[k]; }, [=](int k) { return Left(p[k], slope); }, out);
-  };
+  return IntegralOver(Of<kPosition>(),
+                      Of<kLogAbsolute>([slope = -1.0 / exponent](double p) { return Left(p, slope); }));
 }
 
 }  // namespace

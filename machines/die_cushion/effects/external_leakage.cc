@@ -1,6 +1,6 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -29,11 +29,7 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.separations = {
       {"orifice_leakage", kPressureSteps}, {"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.variant = [tank = geometry.tank_pressure](const auto&) {
-    return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
-      const double* a = s[kPressureA];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return tank - a[k]; }, out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA>([tank](double a) { return tank - a; }));
   };
   return e;
 }

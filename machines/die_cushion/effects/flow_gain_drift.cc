@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -31,19 +31,10 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.drifting = {"Q_vn", "Q_vn"};
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return t[k] * root[k] * y[k]; }, out);
-    };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return t[k] * root[k]; }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kTime>(
+        [](double root, double y, double t) { return t * root * y; });
+    const auto null = IntegralOverTime<kFlowRoot, kTime>([](double root, double t) { return t * root; });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   return e;
 }

@@ -1,6 +1,6 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -31,11 +31,7 @@ Effect InternalLeakage(const CushionGeometry&) {
                    {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
-    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
-      const double *a = s[kPressureA], *b = s[kPressureB];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return b[k] - a[k]; }, out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA, kPressureB>([](double a, double b) { return b - a; }));
   };
   return e;
 }

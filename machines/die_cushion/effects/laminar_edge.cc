@@ -1,10 +1,9 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -56,19 +55,11 @@ Effect LaminarEdge(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double transition = nonlinear[0];
-    const auto flow = [transition](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * y[k] * LaminarLoss(root[k], transition); }, out);
-    };
-    const auto null = [transition](const Stretch& s, double&, std::span<double> out) {
-      const double* root = s[kFlowRoot];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * LaminarLoss(root[k], transition); }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool>(
+        [transition](double root, double y) { return root * y * LaminarLoss(root, transition); });
+    const auto null = IntegralOverTime<kFlowRoot>(
+        [transition](double root) { return root * LaminarLoss(root, transition); });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   e.grid = {{5e5}, {20e5}};
   return e;

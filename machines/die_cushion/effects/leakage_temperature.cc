@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -35,11 +35,10 @@ Effect LeakageTemperature(const CushionGeometry&) {
   e.channels = {kPressureB, kOilTemperature};
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, {"the oil", "das Öl"}, "K"};
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant([beta = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *a = s[kPressureA], *b = s[kPressureB], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return -(a[k] - b[k]) * Exp(beta * (t[k] - kStatedAt)); }, out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA, kPressureB, kOilTemperature>(
+        [beta = nonlinear[0]](double a, double b, double t) {
+          return -(a - b) * Exp(beta * (t - kStatedAt));
+        }));
   };
   e.grid = {{0.02}, {0.04}};
   return e;

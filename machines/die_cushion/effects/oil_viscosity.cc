@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -46,19 +46,11 @@ Effect OilViscosity(const CushionGeometry&) {
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * y[k] * (t[k] - kStatedAt); }, out);
-    };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * (t[k] - kStatedAt); }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kOilTemperature>(
+        [](double root, double y, double t) { return root * y * (t - kStatedAt); });
+    const auto null = IntegralOverTime<kFlowRoot, kOilTemperature>(
+        [](double root, double t) { return root * (t - kStatedAt); });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   return e;
 }

@@ -1,8 +1,8 @@
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -31,11 +31,8 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.separations = {{"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
-    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
-      const double *a = s[kPressureA], *b = s[kPressureB];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA, kPressureB>(
+        [](double a, double b) { return std::copysign(std::sqrt(std::abs(a - b)), b - a); }));
   };
   return e;
 }

@@ -1,8 +1,8 @@
-#include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "models/stretch.h"
 
@@ -41,16 +41,8 @@ Effect PeriodicDisturbance(const CushionGeometry&) {
       "of the flow goes with the pump";
   e.variant = [](const std::vector<double>& nonlinear) {
     const double omega = 2.0 * std::numbers::pi * nonlinear[0], phase = nonlinear[1];
-    const auto in_phase = [omega](const Stretch& s, double&, std::span<double> out) {
-      const double* t = s[kTime];
-      Differences(
-          s, [=](int k) { return -std::cos(omega * t[k]) / omega; }, out);
-    };
-    const auto quadrature = [omega](const Stretch& s, double&, std::span<double> out) {
-      const double* t = s[kTime];
-      Differences(
-          s, [=](int k) { return std::sin(omega * t[k]) / omega; }, out);
-    };
+    const auto in_phase = ChangeOf<kTime>([omega](double t) { return -std::cos(omega * t) / omega; });
+    const auto quadrature = ChangeOf<kTime>([omega](double t) { return std::sin(omega * t) / omega; });
     return EffectVariant{{in_phase, quadrature}, [phase](const ShapeContext&) {
                            return std::vector<double>{std::cos(phase), std::sin(phase)};
                          }};

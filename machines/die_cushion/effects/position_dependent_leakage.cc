@@ -1,7 +1,6 @@
-#include <fmt/format.h>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -35,17 +34,11 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
                 "langsame Hübe über die ganze Zylinderlänge bei einem hohen Druck"};
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant([centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&,
-                                                                              std::span<double> out) {
-      const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
-      wide::IntegrateOverTime(
-          s,
-          [=](int k) {
-            const double x = (z[k] - centre) * inverse;
-            return (b[k] - a[k]) * Exp(-x * x);
-          },
-          out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA, kPressureB, kPosition>(
+        [centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](double a, double b, double z) {
+          const double x = (z - centre) * inverse;
+          return (b - a) * Exp(-x * x);
+        }));
   };
   e.grid.clear();
   for (double share : {0.15, 0.35, 0.55, 0.75, 0.95})

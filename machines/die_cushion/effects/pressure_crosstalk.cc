@@ -31,7 +31,7 @@ Effect PressureCrosstalk(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const auto&) {
     constexpr double kUnit = 1e5;  // Pa
-    return MisreadPressure(kUnit, [](const Stretch& s) { return [y = s[kSpool]](int k) { return y[k]; }; });
+    return MisreadPressure<kSpool>(kUnit, [](double y) { return y; });
   };
   return e;
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -47,16 +47,10 @@ Effect PressureDependentBulkModulus(const CushionGeometry& geometry) {
       "strokes that start from a few bar: air makes the column soft below some 30 bar, oil stiffens evenly "
       "up to the highest pressure";
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
-    const auto dead_volume = [x = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double* p = s[kPressureA];
-      wide::Differences(
-          s, [=](int k) { return StiffeningLevel(p[k], x); }, out);
-    };
-    const auto stroke_volume = [x = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *z = s[kPosition];
-      wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return StiffeningLevel(p[k], x); }, out);
-    };
+    const auto dead_volume =
+        ChangeOf<kPressureA>([x = nonlinear[0]](double p) { return StiffeningLevel(p, x); });
+    const auto stroke_volume = IntegralOver(
+        Of<kPosition>(), Of<kPressureA>([x = nonlinear[0]](double p) { return StiffeningLevel(p, x); }));
     return EffectVariant{{dead_volume, stroke_volume}, [area](const ShapeContext& c) {
                            const double per_modulus = -c.theta[2] / area;  // 1 / K_0
                            return std::vector<double>{c.theta[1] * per_modulus, c.theta[2] * per_modulus};

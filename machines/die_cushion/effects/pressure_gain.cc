@@ -1,6 +1,6 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -37,26 +37,13 @@ Effect PressureGain(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double gain = nonlinear[0], too_much = gain / (1.0 + gain);
-    const auto flow = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * RootShift(root[k], y[k], too_much * p[k]) * (1.0 / gain); }, out);
-    };
-    const auto dead_volume = [=](const Stretch& s, double&, std::span<double> out) {
-      const double* p = s[kPressureA];
-      wide::Differences(
-          s, [=](int k) { return -p[k] / (1.0 + gain); }, out);
-    };
-    const auto stroke_volume = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *p = s[kPressureA], *z = s[kPosition];
-      wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] / (1.0 + gain); }, out);
-    };
-    const auto null = [=](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return RootShift(root[k], y[k], too_much * p[k]) * (1.0 / gain); }, out);
-    };
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kPressureA>(
+        [=](double root, double y, double p) { return y * RootShift(root, y, too_much * p) * (1.0 / gain); });
+    const auto dead_volume = ChangeOf<kPressureA>([=](double p) { return -p / (1.0 + gain); });
+    const auto stroke_volume =
+        IntegralOver(Of<kPosition>(), Of<kPressureA>([=](double p) { return -p / (1.0 + gain); }));
+    const auto null = IntegralOverTime<kFlowRoot, kSpool, kPressureA>(
+        [=](double root, double y, double p) { return RootShift(root, y, too_much * p) * (1.0 / gain); });
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double gain, double&, Stretch& s) {

@@ -41,9 +41,8 @@ Effect PressureGainTemperature(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const auto&) {
     constexpr double kUnit = 1e-4;  // 1/K
-    return MisreadPressure(kUnit, [](const Stretch& s) {
-      return [p = s[kPressureA], t = s[kOilTemperature]](int k) { return p[k] * (t[k] - kStatedAt); };
-    });
+    return MisreadPressure<kPressureA, kOilTemperature>(
+        kUnit, [](double p, double t) { return p * (t - kStatedAt); });
   };
   return e;
 }

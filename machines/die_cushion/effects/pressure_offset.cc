@@ -1,7 +1,7 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -46,19 +46,11 @@ Effect PressureOffset(const CushionGeometry&) {
   e.shown_by = kRelieved;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * RootChange(root[k], y[k], b); }, out);
-    };
-    const auto null = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return RootChange(root[k], y[k], b); }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool>(
+        [b = nonlinear[0]](double root, double y) { return y * RootChange(root, y, b); });
+    const auto null = IntegralOverTime<kFlowRoot, kSpool>(
+        [b = nonlinear[0]](double root, double y) { return RootChange(root, y, b); });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   e.correct = [](double b, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];

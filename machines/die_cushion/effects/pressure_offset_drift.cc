@@ -34,8 +34,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.drifts_by = "Pa";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    return MisreadPressure(nonlinear[0],
-                           [](const Stretch& s) { return [t = s[kTime]](int k) { return t[k]; }; });
+    return MisreadPressure<kTime>(nonlinear[0], [](double t) { return t; });
   };
   e.correct = [](double rate, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];

@@ -40,9 +40,7 @@ Effect PressureOffsetTemperature(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     constexpr double kUnit = 1e4;  // Pa/K
-    return MisreadPressure(kUnit, [set_at = nonlinear[0]](const Stretch& s) {
-      return [=, t = s[kOilTemperature]](int k) { return t[k] - set_at; };
-    });
+    return MisreadPressure<kOilTemperature>(kUnit, [set_at = nonlinear[0]](double t) { return t - set_at; });
   };
   e.grid = {{293.15}, {308.15}};
   return e;

@@ -1,7 +1,7 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/low_passed_signal.h"
 #include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 /// The pressure reading follows the pressure as a first-order lag: p_A = p + tau dp/dt of what was measured,
@@ -30,26 +30,14 @@ Effect PressureSignalLag(const CushionGeometry&) {
       "die Zeitkonstante des Filters im Druckeingang, wie dort eingestellt oder aus einem in Ruhe aufgezeichneten Sprung"};
   e.variant = [](const std::vector<double>& nonlinear) {
     const double lag = nonlinear[0];
-    const auto flow = [lag](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] * RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
-    };
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* rate = s[kPressureRate];
-      wide::Differences(
-          s, [=](int k) { return rate[k]; }, out);
-    };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *z = s[kPosition], *rate = s[kPressureRate];
-      wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, [=](int k) { return rate[k]; }, out);
-    };
-    const auto null = [lag](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
-    };
+    const auto flow =
+        IntegralOverTime<kFlowRoot, kSpool, kPressureRate>([lag](double root, double y, double rate) {
+          return y * RootShift(root, y, -lag * rate) * (1.0 / lag);
+        });
+    const auto dead_volume = ChangeOf<kPressureRate>();
+    const auto stroke_volume = IntegralOver(Of<kPosition>(), Of<kPressureRate>());
+    const auto null = IntegralOverTime<kFlowRoot, kSpool, kPressureRate>(
+        [lag](double root, double y, double rate) { return RootShift(root, y, -lag * rate) * (1.0 / lag); });
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double lag, double&, Stretch& s) {

@@ -1,10 +1,9 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -35,11 +34,8 @@ Effect ReliefValve(const CushionGeometry&) {
               "Einstellung, eine lahme Feder, Schmutz auf dem Sitz, eine warme Rücklaufleitung."};
   e.shown_by = kPressureSteps;
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double* p = s[kPressureA];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return -std::max(p[k] - crack, 0.0); }, out);
-    });
+    return PlainVariant(
+        IntegralOverTime<kPressureA>([crack = nonlinear[0]](double p) { return -std::max(p - crack, 0.0); }));
   };
   e.grid = {{120e5}, {150e5}, {170e5}, {190e5}};
   return e;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -56,16 +56,10 @@ Effect ReturnLineResistance(const CushionGeometry&) {
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double x = nonlinear[0];
-    const auto flow = [x](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return LostToLine(root[k], y[k], x); }, out);
-    };
-    const auto null = [x](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return LostToLineSlope(root[k], y[k], x); }, out);
-    };
+    const auto flow =
+        IntegralOverTime<kFlowRoot, kSpool>([x](double root, double y) { return LostToLine(root, y, x); });
+    const auto null = IntegralOverTime<kFlowRoot, kSpool>(
+        [x](double root, double y) { return LostToLineSlope(root, y, x); });
     return EffectVariant{{flow, null}, [x](const ShapeContext& c) {
                            const double k = -c.theta[0], null = -c.theta[3] / c.theta[0];
                            return std::vector<double>{k * k / x, -null * k * k / x};

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -58,19 +58,10 @@ Effect SignalLag(const CushionGeometry&) {
             0.5 * (slope(k) + slope(k + 1)) * (y[k + 1] - y[k]) +
             half * (y[k] * Curvature(root[k], rate[k]) + y[k + 1] * Curvature(root[k + 1], rate[k + 1]));
     };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *speed = s[kSpeed], *rate = s[kPressureRate];
-      wide::IntegrateOver(
-          s, [=](int k) { return speed[k]; }, [=](int k) { return rate[k]; }, out);
-    };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *rate = s[kPressureRate];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return Curvature(root[k], rate[k]); }, out);
-    };
-    return EffectVariant{{flow, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[2], c.theta[3]};
-                         }};
+    const auto stroke_volume = IntegralOver(Of<kSpeed>(), Of<kPressureRate>());
+    const auto null = IntegralOverTime<kFlowRoot, kPressureRate>(
+        [](double root, double rate) { return Curvature(root, rate); });
+    return EffectVariant{{flow, stroke_volume, null}, WeightsOf<kFlowArea, kStrokeVolume, kFlowNull>};
   };
   e.grid = {{0.005}};
   return e;

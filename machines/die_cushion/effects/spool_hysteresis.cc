@@ -78,7 +78,7 @@ Effect SpoolHysteresis(const CushionGeometry&) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
       FollowEdge(s, width, lag, out);
     };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
   e.correct = [](double width, double& lag, Stretch& s) {
     PutEdge(width, lag, s);

@@ -1,8 +1,7 @@
-#include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -42,12 +41,11 @@ Effect SpoolNonlinearity(const CushionGeometry&) {
   e.shown_by = kOpenings;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto bent = [n = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
-      wide::IntegrateOverTime(
-          s, [=, power = n - 1](int k) { return root[k] * y[k] * Exp(power * log[k]); }, out);
-    };
-    return EffectVariant{{bent}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto bent = IntegralOverTime<kFlowRoot, kSpool, kLogOpening>(
+        [power = nonlinear[0] - 1](double root, double y, double log) {
+          return root * y * Exp(power * log);
+        });
+    return EffectVariant{{bent}, WeightsOf<kFlowArea>};
   };
   e.grid = {{1.5}, {3.0}};
   return e;

@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -31,12 +31,8 @@ Effect SpoolNullDrift(const CushionGeometry&) {
   e.drifts_by = "1";
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *t = s[kTime];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return -t[k] * root[k]; }, out);
-    };
-    return EffectVariant{{null}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto null = IntegralOverTime<kFlowRoot, kTime>([](double root, double t) { return -t * root; });
+    return EffectVariant{{null}, WeightsOf<kFlowArea>};
   };
   return e;
 }

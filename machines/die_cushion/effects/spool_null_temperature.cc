@@ -1,5 +1,5 @@
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -39,12 +39,9 @@ Effect SpoolNullTemperature(const CushionGeometry&) {
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastNullWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *t = s[kOilTemperature];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return -(t[k] - kStatedAt) * root[k]; }, out);
-    };
-    return EffectVariant{{null}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto null = IntegralOverTime<kFlowRoot, kOilTemperature>(
+        [](double root, double t) { return -(t - kStatedAt) * root; });
+    return EffectVariant{{null}, WeightsOf<kFlowArea>};
   };
   return e;
 }

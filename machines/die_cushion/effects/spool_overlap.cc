@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -35,13 +34,11 @@ Effect SpoolOverlap(const CushionGeometry&) {
                 "langsame Hübe mit dem Schieber nahe seinem Nullpunkt und schnelle"};
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=, scale = -1.0 / band](int k) { return scale * root[k] * std::clamp(y[k], -band, band); },
-          out);
-    };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool>(
+        [band = nonlinear[0], scale = -1.0 / nonlinear[0]](double root, double y) {
+          return scale * root * std::clamp(y, -band, band);
+        });
+    return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
   e.grid = {{0.02}, {0.04}, {0.08}};
   return e;

@@ -34,7 +34,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [&, per_second = 1.0 / delay](int k) { return root[k] * (later(k) - y[k]) * per_second; }, out);
     };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
   e.correct = [](double delay, double&, Stretch& s) {
     ShiftChannels(s, {kSpool}, delay);

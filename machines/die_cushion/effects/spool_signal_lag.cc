@@ -1,8 +1,8 @@
 #include <vector>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/low_passed_signal.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -32,12 +32,8 @@ Effect SpoolSignalLag(const CushionGeometry&) {
       "the time constant of the filter in the spool input, as set there or from a step recorded at rest",
       "die Zeitkonstante des Filters im Schiebereingang, wie dort eingestellt oder aus einem in Ruhe aufgezeichneten Sprung"};
   e.variant = [](const std::vector<double>&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOver(
-          s, [=](int k) { return root[k]; }, [=](int k) { return y[k]; }, out);
-    };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto flow = IntegralOver(Of<kFlowRoot>(), Of<kSpool>());
+    return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
   e.correct = [](double lag, double&, Stretch& s) {
     double* const y = s[kSpool];

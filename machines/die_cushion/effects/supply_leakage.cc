@@ -1,8 +1,8 @@
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -35,12 +35,8 @@ Effect SupplyLeakage(const CushionGeometry&) {
   e.shown_by = kPressureSteps;
   e.channels = {kSupplyPressure};
   e.variant = [](const auto&) {
-    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
-      const double *a = s[kPressureA], *supply = s[kSupplyPressure];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return std::copysign(std::sqrt(std::abs(supply[k] - a[k])), supply[k] - a[k]); },
-          out);
-    });
+    return PlainVariant(IntegralOverTime<kPressureA, kSupplyPressure>(
+        [](double a, double supply) { return std::copysign(std::sqrt(std::abs(supply - a)), supply - a); }));
   };
   return e;
 }

@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -43,19 +43,13 @@ Effect TankPressure(const CushionGeometry&) {
       "was ein Manometer an der Tankleitung zeigt, während Öl fließt, abzüglich p_t der Maschinendatei"};
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return std::max(y[k], 0.0) * RootShift(root[k], y[k], b) * (1.0 / b); }, out);
-    };
-    const auto null = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] >= 0 ? RootShift(root[k], y[k], b) * (1.0 / b) : 0.0; }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool>([b = nonlinear[0]](double root, double y) {
+      return std::max(y, 0.0) * RootShift(root, y, b) * (1.0 / b);
+    });
+    const auto null = IntegralOverTime<kFlowRoot, kSpool>([b = nonlinear[0]](double root, double y) {
+      return y >= 0 ? RootShift(root, y, b) * (1.0 / b) : 0.0;
+    });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   e.correct = [](double b, double&, Stretch& s) {
     double* root = s[kFlowRoot];

@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -32,19 +32,11 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.channels = {kSupplyPressure};
   e.walks = true;
   e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
-    };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(
-          s, [=](int k) { return y[k] < 0 ? root[k] : 0.0; }, out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow =
+        IntegralOverTime<kFlowRoot, kSpool>([](double root, double y) { return root * std::min(y, 0.0); });
+    const auto null =
+        IntegralOverTime<kFlowRoot, kSpool>([](double root, double y) { return y < 0 ? root : 0.0; });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   return e;
 }

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "machines/die_cushion/columns.h"
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/strokes.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -44,22 +44,15 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.shown_by = kOpenings;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
-      wide::IntegrateOverTime(
-          s, [=, inverse = 1.0 / a](int k) { return root[k] * y[k] * (Power(log[k], a) - 1.0) * inverse; },
-          out);
-    };
-    const auto null = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *log = s[kLogOpening];
-      wide::IntegrateOverTime(
-          s,
-          [=, inverse = 1.0 / a](int k) { return root[k] * ((1.0 + a) * Power(log[k], a) - 1.0) * inverse; },
-          out);
-    };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
-                         }};
+    const auto flow = IntegralOverTime<kFlowRoot, kSpool, kLogOpening>(
+        [a = nonlinear[0], inverse = 1.0 / nonlinear[0]](double root, double y, double log) {
+          return root * y * (Power(log, a) - 1.0) * inverse;
+        });
+    const auto null = IntegralOverTime<kFlowRoot, kLogOpening>(
+        [a = nonlinear[0], inverse = 1.0 / nonlinear[0]](double root, double log) {
+          return root * ((1.0 + a) * Power(log, a) - 1.0) * inverse;
+        });
+    return EffectVariant{{flow, null}, WeightsOf<kFlowArea, kFlowNull>};
   };
   e.correct = [](double a, double&, Stretch& s) {
     double* y = s[kSpool];

@@ -1,4 +1,4 @@
-#include "cli/simulate_serve.h"
+#include "cli/machines/served_press.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -11,7 +11,7 @@
 
 #include "acquisition/dds/dds_source.h"
 #include "acquisition/modbus/settings.h"
-#include "cli/live_command.h"
+#include "cli/machines/live_command.h"
 #include "host/signals.h"
 #include "simulator/die_cushion/press_map.h"
 

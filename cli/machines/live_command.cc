@@ -1,8 +1,7 @@
-#include "cli/live_command.h"
+#include "cli/machines/live_command.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "cli/finite_number.h"
-#include "cli/simulate_press.h"
+#include "cli/machines/press_settings.h"
 #include "core/units.h"
 
 namespace hydroscope {

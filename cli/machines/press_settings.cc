@@ -1,9 +1,8 @@
-#include "cli/simulate_press.h"
+#include "cli/machines/press_settings.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>

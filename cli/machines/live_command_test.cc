@@ -1,4 +1,4 @@
-#include "cli/live_command.h"
+#include "cli/machines/live_command.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
