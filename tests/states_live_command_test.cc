@@ -37,7 +37,7 @@ TEST_F(StatesLive, IsFollowedWhileItWorksAndItsDriftRaised) {
   EXPECT_EQ(service.Kill(SIGTERM), 0) << ReadText(File("served.err"));
   const std::string alarms = Run({"alarms", "--db", File("tank.db"), "list"}).out;
   EXPECT_THAT(alarms, Not(HasSubstr("unnamed_change_k1")));
-  EXPECT_THAT(alarms, ContainsRegex("k2 -[1-4][0-9]\\.[0-9] ± [0-9.]+ %"));  // not per cent of the number 1
+  EXPECT_THAT(alarms, ContainsRegex("k2 -[1-4][0-9]\\.[0-9]+ ± [0-9.]+ %"));  // not per cent of the number 1
   EXPECT_THAT(Coverage(kRate), Each(Gt(0.85)));
 
   const std::string learned =
