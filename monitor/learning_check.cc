@@ -161,8 +161,12 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
   if (!runs) return std::nullopt;
   for (const RunInfo& run : *runs) {
     if (run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first) continue;
-    const Told slow = run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine)
-                                                : Told(ParseRunSummary(run.summary_json).too_slow);
+    const RunSummary summary = ParseRunSummary(run.summary_json);
+    if (!summary.impossible.empty())
+      return LearningDoubt{Kind::kImplausible, Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source,
+                                                    summary.impossible)};
+    const Told slow =
+        run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine) : Told(summary.too_slow);
     if (!slow.empty())
       return LearningDoubt{Kind::kTooSlow,
                            Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source, slow)};

@@ -22,6 +22,7 @@ RunSummary ReadSummary(const nlohmann::json& json) {
   s.absent = json.value("absent", decltype(s.absent){});
   s.warnings = json.value("warnings", decltype(s.warnings){});
   s.too_slow = json.value("too_slow", std::string());
+  s.impossible = json.value("impossible", std::string());
   s.stopped = json.value("stopped", std::string());
   for (const auto& f : json.value("findings", nlohmann::json::array()))
     s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
@@ -54,6 +55,7 @@ std::string FormatRunSummary(const RunSummary& s) {
                                {"findings", findings},
                                {"warnings", s.warnings},
                                {"too_slow", s.too_slow},
+                               {"impossible", s.impossible},
                                {"stopped", s.stopped}};
   return JsonText(json);
 }

@@ -27,6 +27,8 @@ struct RunSummary {
   std::vector<std::string> warnings;  ///< what makes conclusions from this log doubtful (LogTrust)
   /// Why its rows are too far apart to conclude anything from them, "" if they are not.
   std::string too_slow;
+  std::string
+      impossible;  ///< readings that no machine makes, so that nothing is to be concluded (ReadingFaults); "": none
   std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

@@ -236,6 +236,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   const LogTrust trust = first.Judge(pipeline);
   replay.summary.warnings = trust.Warnings();
   if (!pass->no_verdict.empty()) replay.summary.warnings.push_back(pass->no_verdict.english);
+  replay.summary.impossible = pass->no_verdict.english;
   for (const ReadingFaults::Echo& echo : pass->echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
   if (silent > 0 && InEpisodes(KindOf(machine_)))

@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <regex>
 #include <sstream>
 
@@ -36,6 +40,38 @@ TEST_F(SlowLog, GivesNoVerdictAsALog) {
     EXPECT_THAT(ran.out, Not(HasSubstr("ADEQUATE"))) << command;
     EXPECT_THAT(ran.out, Not(HasSubstr("describes these strokes"))) << command;
   }
+}
+
+/// So does one whose position is read from a counter that overflows.
+TEST_F(SlowLog, WithAPositionThatJumpsGivesNoneEither) {
+  std::istringstream in(ReadText(Simulate("press.csv", 60, 4)));
+  std::ostringstream out;
+  std::string line;
+  std::getline(in, line);
+  out << line << '\n';
+  const auto column =
+      std::count(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(line.find(",z,")) + 1, ',');
+  for (std::string field; std::getline(in, line); out << '\n') {
+    std::istringstream fields(line);
+    for (std::ptrdiff_t k = 0; std::getline(fields, field, ','); ++k)
+      out << (k > 0 ? "," : "")
+          << (k == column ? fmt::format("{:.7f}", std::fmod(std::stod(field) + 1, 0.065536)) : field);
+  }
+  const std::string log = File("jumps.csv"), db = File("jumps.db");
+  WriteText(log, out.str());
+  for (const std::string command : {"fit", "compare", "explain"}) {
+    const Ran ran = Run({command, log, "-m", kMachine});
+    EXPECT_NE(ran.exit_code, 0) << command;
+    EXPECT_THAT(ran.err, HasSubstr("a counter that overflows")) << command;
+  }
+  const Ran check = Run({"check", log, "-m", kMachine});
+  EXPECT_NE(check.exit_code, 0);
+  EXPECT_THAT(check.out, HasSubstr("a counter that overflows"));
+  EXPECT_THAT(check.out, HasSubstr("mend what stands below"));
+  ASSERT_EQ(Run({"replay", log, "-m", kMachine, "--db", db}).exit_code, 0);
+  EXPECT_THAT(Run({"explain", "--db", db}).out, HasSubstr("a counter that overflows"));
+  EXPECT_EQ(Run({"learn", "--db", db, "--json", "-"}).Json()["refused"][0]["doubts"][0]["kind"],
+            "implausible");
 }
 
 TEST_F(SlowLog, GivesNoVerdictFromTheDatabaseAndIsNotLearned) {

@@ -177,7 +177,13 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   if (pipeline) {
     check.conditions = survey.conditions();
     check.driving.too_short = pipeline->discarded_strokes();
-    TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
+    if (check.pass.no_verdict.empty())
+      TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
+    else
+      check.parameters = ParametersWithoutFit(
+          pipeline->model(), Tell("readings of a signal are wrong", "Werte eines Signals sind falsch"),
+          check.driving,
+          Tell("mend what stands below, and record again", "beheben, was unten steht, und neu aufzeichnen"));
     check.hints = PlausibilityHints(check);
     if (const Told coarse = CoarseTimeStamps((*reader)->counters(), machine->signals.size()); !coarse.empty())
       check.hints.insert(check.hints.begin(), coarse);

@@ -106,7 +106,7 @@ std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimate
 }
 
 std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const Told& why,
-                                                   const Driving& driving) {
+                                                   const Driving& driving, const Told& advice) {
   std::vector<CheckedParameter> out;
   for (const DerivedParameter& derived : model.derive(Eigen::VectorXd::Ones(model.base_count))) {
     CheckedParameter p;
@@ -115,7 +115,7 @@ std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, 
     p.estimate.value = p.estimate.std = std::nan("");
     p.estimate.reason = driving.strokes == 0 ? EstimateReason::kNoStroke : EstimateReason::kConfounded;
     p.reason = driving.strokes == 0 ? ReasonTold(EstimateReason::kNoStroke) : why;
-    p.advice = DriveBetter(driving);
+    p.advice = advice.empty() ? DriveBetter(driving) : advice;
     out.push_back(std::move(p));
   }
   return out;

@@ -13,9 +13,9 @@ namespace hydroscope {
 /// with 95 % confidence.
 std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimates, const Driving& driving);
 
-/// The same when there is no fit: nothing is identifiable, `why`.
+/// The same when there is no fit: nothing is identifiable, `why`. `advice`: "" if driving the machine otherwise may help.
 std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const Told& why,
-                                                   const Driving& driving);
+                                                   const Driving& driving, const Told& advice = {});
 
 /// Half width of the 95 % interval: relative to the value, absolute for dimensionless parameters.
 double HalfWidth(const Estimate& estimate);

@@ -124,7 +124,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.strokes = static_cast<std::size_t>(history.strokes());
   out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
   out.each_alone = IsDownToNoise(ErrorOfEachAlone(history, out.explanation.base.noise_floor));
-  RefuseVerdict(history.too_slow.empty() ? ImpossibleFigures(out.base) : Told{history.too_slow, ""},
+  RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
   for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))

@@ -81,8 +81,8 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
           "sie jetzt haben; die Logs in eine neue Datenbank einspielen",
           history.database, counted.many, run.id, run.source, part.machine));
     const RunSummary summary = ParseRunSummary(run.summary_json);
-    if (!summary.too_slow.empty())
-      history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
+    for (const std::string& why : {summary.too_slow, summary.impossible})
+      if (!why.empty()) history.no_verdict = fmt::format("run {} ({}): {}", run.id, run.source, why);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)

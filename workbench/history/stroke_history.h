@@ -35,7 +35,7 @@ struct StrokeHistory {
   std::vector<HistoryPart> unit_parts;  ///< the strokes of each of `units`
   std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
 
-  std::string too_slow;  ///< RunSummary::too_slow of a run among them
+  std::string no_verdict;  ///< RunSummary::too_slow or impossible of a run among them
   /// Of a machine with states, whose sums hold what no parameters of an episode take away for noise: the error that white noise
   /// causes at most, rms, SI of the output. 0: the sums themselves say what is noise.
   double white_noise = 0;
