@@ -24,7 +24,9 @@ void ConnectionPlaces::Closed(Id id) { open_.erase(id); }
 /// Has one leave if there are more than `limit` (of this address alone): the one that has been longest at what is worth least.
 void ConnectionPlaces::KeepTo(std::size_t limit, Id newest, const std::string* address) {
   std::size_t there = 0, ask_nothing = 0;
-  const auto counts = [&](const Connection& c) { return !c.leaves && (address == nullptr || c.address == *address); };
+  const auto counts = [&](const Connection& c) {
+    return !c.leaves && (address == nullptr || c.address == *address);
+  };
   for (const auto& [id, connection] : open_) {
     if (!counts(connection)) continue;
     ++there;

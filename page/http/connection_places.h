@@ -14,11 +14,11 @@ class ConnectionPlaces {
  public:
   /// What a connection is for; the earlier ones give way first.
   enum class Use {
-    kNothing,     ///< no request came so far, or not all of its head
-    kRests,       ///< between two requests of nobody logged in
-    kGuest,       ///< a request of nobody logged in is under way
-    kUserRests,   ///< between two requests of somebody logged in
-    kUser,        ///< a request of somebody logged in is under way; does not give way
+    kNothing,    ///< no request came so far, or not all of its head
+    kRests,      ///< between two requests of nobody logged in
+    kGuest,      ///< a request of nobody logged in is under way
+    kUserRests,  ///< between two requests of somebody logged in
+    kUser,       ///< a request of somebody logged in is under way; does not give way
   };
   struct Limits {
     std::size_t all;

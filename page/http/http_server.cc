@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "page/http/connection_places.h"
@@ -277,7 +278,12 @@ struct HttpServer::Door {
     auto* open = new OpenRequest{std::move(head)};
     *request = open;
     open->request.file = hooks->body_file(open->request);
-    if (!open->request.file.empty()) open->file.open(open->request.file, std::ios::binary);
+    if (open->request.file.empty()) return MHD_YES;
+    open->file.open(open->request.file, std::ios::binary);
+    std::error_code ignored;  // has the size it will have, so that who comes meanwhile sees what room is left
+    if (open->request.length > 0)
+      std::filesystem::resize_file(open->request.file, static_cast<std::uintmax_t>(open->request.length),
+                                   ignored);
     return MHD_YES;
   }
 

@@ -108,6 +108,24 @@ TEST(HttpServer, StreamsOfGuestsGiveWayToWhoComesAndThoseOfUsersDoNot) {
   EXPECT_THAT(guests.back().ReadUntil("news"), testing::HasSubstr("data: news"));
 }
 
+TEST(HttpServer, AFileThatComesHasItsWholeSizeFromTheBeginning) {
+  const std::string file = testing::TempDir() + "http_server_coming";
+  HttpServer::Hooks hooks = AnswersThatTellHow();
+  hooks.refuse = [](const HttpRequest&) { return std::nullopt; };
+  hooks.body_file = [&](const HttpRequest&) { return file; };
+  const auto server = HttpServer::Open({0}, hooks);
+  ASSERT_TRUE(server) << server.error().text;
+  Client somebody((*server)->port());
+  somebody.Send("POST /logs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\nbegin");
+  std::error_code none;
+  for (int k = 0;
+       k < 3000 && !(std::filesystem::exists(file) && std::filesystem::file_size(file, none) == 1000); ++k)
+    usleep(1000);
+  EXPECT_EQ(std::filesystem::file_size(file, none), 1000U);
+  somebody.Send(std::string(995, 'x'));
+  EXPECT_THAT(somebody.ReadUntil("POST /logs"), testing::HasSubstr("200 OK"));
+}
+
 TEST(HttpServer, APortThatIsTakenIsNotShared) {
   const auto first = HttpServer::Open({0}, AnswersThatTellHow());
   ASSERT_TRUE(first) << first.error().text;
