@@ -1,5 +1,7 @@
 #include "monitor/press_monitor.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include "monitor/press_monitor_fixture.h"
 #include "report/drift_report.h"
 
@@ -32,6 +34,23 @@ TEST_F(PressMonitorTest, ALeakOfOneAxisIsItsAlarmWithTheStrokesAndTheExplanation
     if (alarm.id == "internal_leakage") {
       EXPECT_THAT(alarm.text, HasSubstr(finding.explanation.english));
     }
+}
+
+TEST_F(PressMonitorTest, AHistoryOfAnotherModelIsNotReadWhileItLearns) {
+  const auto few = std::vector<StrokeRecord>(Healthy().begin(), Healthy().begin() + 5);
+  auto columns = BuildModel(machine_).value()->ColumnNames();
+  columns.emplace_back("another");
+  const int other = database_->PutModelVersion(ids_[0], {2, "# another", columns}).value();
+  runs_[0] = database_->BeginRun(ids_[0], other, "live", "live/other").value().id;
+  Store(0, few);
+  SQLite::Database(DatabasePath(), SQLite::OPEN_READWRITE)
+      .exec(fmt::format("UPDATE gram SET gram = x'00' WHERE run = {}", runs_[0]));  // who reads them fails
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  runs_[0] = database_->BeginRun(ids_[0], 1, "live", "live/own").value().id;
+  Store(0, Healthy());
+  ASSERT_OK(press->CatchUp(1001));
+  EXPECT_NE(press->axis(0).monitor(), nullptr) << "those of its own are learned from";
 }
 
 TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
