@@ -41,10 +41,13 @@ TEST_F(PressMonitorTest, AHistoryOfAnotherModelIsNotReadWhileItLearns) {
   auto columns = BuildModel(machine_).value()->ColumnNames();
   columns.emplace_back("another");
   const int other = database_->PutModelVersion(ids_[0], {2, "# another", columns}).value();
-  runs_[0] = database_->BeginRun(ids_[0], other, "live", "live/other").value().id;
   Store(0, few);
+  // They are of the other model now, and who reads their Grams fails.
   SQLite::Database(DatabasePath(), SQLite::OPEN_READWRITE)
-      .exec(fmt::format("UPDATE gram SET gram = x'00' WHERE run = {}", runs_[0]));  // who reads them fails
+      .exec(fmt::format(
+          "UPDATE run SET model_version = {1} WHERE id = {0}; UPDATE gram SET gram = x'00' WHERE run = {0}",
+          runs_[0], other));
+  stored_[0] = 0;  // of the next run
   const auto press = Open();
   ASSERT_OK(press->CatchUp(1000));
   runs_[0] = database_->BeginRun(ids_[0], 1, "live", "live/own").value().id;
