@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/constants.h"
 #include "core/told_error.h"
@@ -12,6 +11,7 @@
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
 #include "monitor/learning_check.h"
+#include "monitor/next_with_columns.h"
 #include "monitor/stored_valve_check.h"
 
 namespace hydroscope {
@@ -226,32 +226,11 @@ bool AxisMonitor::AnyExplanationIsDue() const {
   return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
-/// First stroke from this one on that may have the columns of the model, by what is stored of each run: a long history of another
-/// model is not read at each start.
-Result<std::int64_t> AxisMonitor::NextWithColumns(std::int64_t sequence) const {
-  const auto runs = database_.Runs(machine_id_);
-  if (!runs) return tl::unexpected(runs.error());
-  std::map<int, bool> fits;  // by version
-  for (const RunInfo& run : *runs) {
-    const std::int64_t end = run.first_sequence + run.strokes;
-    if (end <= sequence) continue;
-    if (!fits.contains(run.model_version)) {
-      const auto version = database_.GetModelVersion(machine_id_, run.model_version);
-      if (!version) return tl::unexpected(version.error());
-      fits[run.model_version] =
-          version->columns.empty() || static_cast<int>(version->columns.size()) == columns_;
-    }
-    if (fits[run.model_version]) return std::max(sequence, run.first_sequence);
-    sequence = end;
-  }
-  return sequence;
-}
-
 /// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them
 /// is stored twice.
 Result<bool> AxisMonitor::CollectForLearning() {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
-    const auto next = NextWithColumns(collected_to_);
+    const auto next = NextWithColumns(database_, machine_id_, columns_, collected_to_);
     if (!next) return tl::unexpected(next.error());
     collected_to_ = *next;
     const auto chunk = Load(collected_to_, kStrokesPerChange);

@@ -106,7 +106,6 @@ class AxisMonitor {
   /// Changes this axis in the journal, with the state as it then is in memory.
   Status Change(double wall, const std::function<void(AxisContent&)>& change);
   AlarmMoment Moment(double wall) const;
-  Result<std::int64_t> NextWithColumns(std::int64_t sequence) const;
   Result<bool> CollectForLearning();
   Status CountNotJudged();
   Result<bool> Commission(double wall);
