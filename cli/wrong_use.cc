@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
 #include "core/units.h"
@@ -106,6 +107,13 @@ const CLI::Option* OptionIn(const CLI::App& command, const std::string& message)
   return found;
 }
 
+bool IsWhole(const std::string& number) {
+  const std::size_t digits = number.starts_with('-') ? 1 : 0;
+  return number.size() > digits &&
+         std::all_of(number.begin() + static_cast<std::ptrdiff_t>(digits), number.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
 /// "--port 99999: expected a whole number from 0 to 65535", or the parser's own words where nothing better is known.
 std::string Explained(const CLI::App& command, const CLI::ParseError& error) {
   const std::string message = error.what();
@@ -120,8 +128,13 @@ std::string Explained(const CLI::App& command, const CLI::ParseError& error) {
     case CLI::ExitCodes::ConversionError:
     case CLI::ExitCodes::ValidationError: {
       const auto& given = option->results();
+      const std::string type = option->get_type_name();
+      if (const bool alone = type == "INT" || type == "UINT";
+          alone && !given.empty() && IsWhole(given.back()))
+        return fmt::format("{} {}: expected a {} number", name, given.back(),
+                           given.back().front() == '-' ? "larger" : "smaller");
       return fmt::format("{}{}{}: expected {}", name, given.empty() ? "" : " ",
-                         given.empty() ? "" : given.back(), Expected(option->get_type_name()));
+                         given.empty() ? "" : given.back(), Expected(type));
     }
     default:
       return message;

@@ -261,6 +261,7 @@ void LiveService::Run() {
   }
   for (std::size_t a = 0; a < axes_.size(); ++a)
     writer_->Push(axes_[a]->pipeline->Finish(aligner_->marks(static_cast<int>(a))));
+  UpdateStatus(clock_());  // what is asked from now on hears of the last rows and strokes
 }
 
 /// `steps`: how many steps without a stroke may still be stored in this round; `items`: of the round, for the writer.

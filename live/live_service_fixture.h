@@ -55,10 +55,11 @@ inline const SimulatedLog& Log() {
 }
 
 /// Plays a simulated log for both axes, much faster than real time; stamps follow the log. The clock of the
-/// service is set by what is played.
+/// service is set by what is played, and after it: a clock that is ahead tells the service that the rows are late.
 class PlayedClock {
  public:
-  HostTime operator()() const { return {now_, 1'700'000'000'000'000'000 + now_}; }
+  HostTime operator()() const { return At(now_); }
+  static HostTime At(std::int64_t ns) { return {ns, 1'700'000'000'000'000'000 + ns}; }
   void Set(std::int64_t ns) { now_ = ns; }
 
  private:
@@ -87,6 +88,7 @@ class PlayedSource : public Source {
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
   static inline std::atomic<bool> done{false};
   static inline std::atomic<std::size_t> hold_at{kNever};  ///< row before which it waits
+  static inline std::atomic<int> hesitates{0};  ///< ms between a batch and the clock, as on a busy computer
 
  private:
   void Play(const Sink& sink) {
@@ -94,15 +96,15 @@ class PlayedSource : public Source {
     const std::size_t rows = kRowsPerBatch * thinned_;
     for (std::size_t row = from_; row + rows <= to_ && !stop_; row += rows) {
       const auto at = static_cast<std::int64_t>(1e9 + static_cast<double>(row + rows) * kPeriod * 1e9);
+      const HostTime now = PlayedClock::At(at);
       while (row >= hold_at && !stop_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      clock_.Set(at);
       if (drop_every_ > 0 && (row / kRowsPerBatch) % drop_every_ == drop_every_ - 1) continue;
       SampleBatch batch{.session = session_,
                         .first_sequence = row / thinned_,
                         .source_time_ns = at,
                         .period_ns = static_cast<std::int64_t>(2'000'000 * thinned_),
-                        .requested = clock_(),
-                        .received = clock_(),
+                        .requested = now,
+                        .received = now,
                         .channels = {0, 1, 2, 4, 5, 6},
                         .rows = kRowsPerBatch,
                         .values = {}};
@@ -111,7 +113,6 @@ class PlayedSource : public Source {
           for (const double value : {log.p_A[k], log.z[k], log.y_v[k]}) batch.values.push_back(value);
       sink(std::move(batch));
       if (row % 2500 == 0) {
-        const HostTime now = clock_();
         for (const std::uint16_t channel : {std::uint16_t{3}, std::uint16_t{7}})
           sink({.session = 1,
                 .requested = now,
@@ -120,6 +121,8 @@ class PlayedSource : public Source {
                 .rows = 1,
                 .values = {40.0}});
       }
+      std::this_thread::sleep_for(std::chrono::milliseconds(hesitates));
+      clock_.Set(at);
       std::this_thread::sleep_for(std::chrono::microseconds(200));  // 100 times real time
     }
     done = true;
@@ -169,11 +172,19 @@ class LiveServiceTest : public testing::Test {
     ASSERT_TRUE(service) << service.error().text;
     EXPECT_OK((*service)->Start());
     while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    for (int k = 0; k < 200 && (*service)->status().inbox.batches > 0; ++k)
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    if (during) during(**service);
+    if (during) {
+      WaitForWhatWasSent(**service);
+      during(**service);
+    }
     EXPECT_TRUE((*service)->Stop());
     last_ = (*service)->status();
+  }
+  /// Until the status tells of all that was sent. Its clock stands still by now, so that rounds of the pipeline tell: the
+  /// second one that is told from now on began after now.
+  static void WaitForWhatWasSent(const LiveService& service) {
+    for (int round = 0; round < 2; ++round)
+      for (const std::int64_t told = service.status().heartbeats; service.status().heartbeats == told;)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   /// Begins a service over the first 25 000 rows, and waits until two strokes are stored.
   void Begin() {

@@ -30,7 +30,11 @@ TEST_F(LiveServiceTest, NothingIsLearnedFromRowsThatAreTooFarApart) {
   slow.replace(slow.find("grid_period = 0.002"), 19, "grid_period = 0.1");
   std::ofstream(File("press.toml")) << slow;
   clock_.Set(1'000'000'000);
+  PlayedSource::hesitates = 8;  // more than a round of the pipeline
   Serve(0, 20'000);
+  PlayedSource::hesitates = 0;
+  EXPECT_EQ(last_.axes[0].counters.missing_rows, 0);
+  EXPECT_EQ(last_.axes[0].counters.rows, 400);
   const auto doubt = DoubtOf("press/left");
   ASSERT_TRUE(doubt.has_value());
   EXPECT_EQ(doubt->kind, LearningDoubt::Kind::kTooSlow);
@@ -43,6 +47,8 @@ TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {
   EXPECT_EQ(last_.axes[0].counters.missing_rows, 0);
   EXPECT_EQ(last_.axes[0].counters.rows, 15'000);
   EXPECT_GT(last_.axes[1].strokes, 3);
+  EXPECT_EQ(last_.axes[0].strokes + last_.axes[1].strokes, last_.writer.strokes)
+      << "those that the end ended too";
 }
 
 TEST_F(LiveServiceTest, LostBatchesAreFlaggedInTheRawWindowAndReplayIsStillTheSame) {

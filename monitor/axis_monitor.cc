@@ -11,6 +11,7 @@
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
 #include "monitor/learning_check.h"
+#include "monitor/next_with_columns.h"
 #include "monitor/stored_valve_check.h"
 
 namespace hydroscope {
@@ -229,6 +230,9 @@ bool AxisMonitor::AnyExplanationIsDue() const {
 /// is stored twice.
 Result<bool> AxisMonitor::CollectForLearning() {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
+    const auto next = NextWithColumns(database_, machine_id_, columns_, collected_to_);
+    if (!next) return tl::unexpected(next.error());
+    collected_to_ = *next;
     const auto chunk = Load(collected_to_, kStrokesPerChange);
     if (!chunk) return tl::unexpected(chunk.error());
     if (chunk->empty()) return false;

@@ -1,5 +1,7 @@
 #include "monitor/press_monitor.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include "monitor/press_monitor_fixture.h"
 #include "report/drift_report.h"
 
@@ -32,6 +34,26 @@ TEST_F(PressMonitorTest, ALeakOfOneAxisIsItsAlarmWithTheStrokesAndTheExplanation
     if (alarm.id == "internal_leakage") {
       EXPECT_THAT(alarm.text, HasSubstr(finding.explanation.english));
     }
+}
+
+TEST_F(PressMonitorTest, AHistoryOfAnotherModelIsNotReadWhileItLearns) {
+  const auto few = std::vector<StrokeRecord>(Healthy().begin(), Healthy().begin() + 5);
+  auto columns = BuildModel(machine_).value()->ColumnNames();
+  columns.emplace_back("another");
+  const int other = database_->PutModelVersion(ids_[0], {2, "# another", columns}).value();
+  Store(0, few);
+  // They are of the other model now, and who reads their Grams fails.
+  SQLite::Database(DatabasePath(), SQLite::OPEN_READWRITE)
+      .exec(fmt::format(
+          "UPDATE run SET model_version = {1} WHERE id = {0}; UPDATE gram SET gram = x'00' WHERE run = {0}",
+          runs_[0], other));
+  stored_[0] = 0;  // of the next run
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  runs_[0] = database_->BeginRun(ids_[0], 1, "live", "live/own").value().id;
+  Store(0, Healthy());
+  ASSERT_OK(press->CatchUp(1001));
+  EXPECT_NE(press->axis(0).monitor(), nullptr) << "those of its own are learned from";
 }
 
 TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {

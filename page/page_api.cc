@@ -237,10 +237,21 @@ nlohmann::json PageApi::Session(const Who& who) const {
   return session;
 }
 
+bool PageApi::IsUpload(const HttpRequest& request) const {
+  return request.method == "POST" && request.path == "/api/v1/logs" && session_ != nullptr;
+}
+
+std::optional<HttpReply> PageApi::Refuse(const HttpRequest& request) const {
+  if (!IsUpload(request)) return std::nullopt;
+  if (request.length < 0)
+    return ErrorReply(411, Told("the header Content-Length is missing: it says whether there is room",
+                                "der Header Content-Length fehlt: er sagt, ob Platz ist"));
+  const Status room = session_->MayUpload(request.length);
+  return room ? std::nullopt : std::optional(ErrorReply(413, ToldOf(room.error())));
+}
+
 std::string PageApi::BodyFile(const HttpRequest& request) {
-  return request.method == "POST" && request.path == "/api/v1/logs" && session_ != nullptr
-             ? session_->UploadFile()
-             : "";
+  return IsUpload(request) ? session_->UploadFile() : "";
 }
 
 HttpReply PageApi::Asset(const std::string& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 #include "page/access/login_api.h"
 #include "page/http/http_message.h"
@@ -17,10 +18,13 @@ class PageApi {
   PageApi(WorkSession* session, WatchApi* watch, LoginApi* login)
       : session_(session), watch_(watch), login_(login) {}
   HttpReply Answer(const HttpRequest& request);
+  /// Before a body is read: the refusal of an upload that there is no room for, or nothing.
+  std::optional<HttpReply> Refuse(const HttpRequest& request) const;
   /// Where the body of an upload goes; "" for all other requests.
   std::string BodyFile(const HttpRequest& request);
 
  private:
+  bool IsUpload(const HttpRequest& request) const;
   nlohmann::json Session(const Who& who) const;
   static HttpReply Asset(const std::string& path);
 

@@ -37,7 +37,8 @@ Status PageServer::Listen(const HttpListen& listen, std::function<HttpReply(cons
   HttpServer::Hooks hooks;
   hooks.refuse = [&impl](HttpRequest& request) {
     auto refusal = impl.guard.Refuse(request);
-    return refusal ? refusal : impl.gate->Refuse(request);
+    if (!refusal) refusal = impl.gate->Refuse(request);
+    return refusal ? refusal : impl.api->Refuse(request);
   };
   hooks.body_file = [&impl](const HttpRequest& request) { return impl.api->BodyFile(request); };
   hooks.answer = std::move(answer);

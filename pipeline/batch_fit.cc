@@ -116,10 +116,12 @@ namespace {
 Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
   if (ClosedLoopOf(stated) != nullptr)
     return BadInput(Tell(
-        "machine '{}': a {} is measured by its frequency response: 'hydroscope frf', or 'hydroscope "
-        "explain --since' for what changed",
-        "Maschine '{}': ein {} wird über seinen Frequenzgang gemessen: 'hydroscope frf', oder 'hydroscope explain "
-        "--since' für das, was sich geändert hat",
+        "machine '{}': a {} is judged by its frequency response at the command line: `hydroscope frf LOG --machine FILE` measures "
+        "it, `hydroscope explain LOG --machine FILE` says what changed from the references of the file, with --since BEFORE "
+        "from another log",
+        "Maschine '{}': ein {} wird über seinen Frequenzgang beurteilt, an der Befehlszeile: `hydroscope frf LOG --machine DATEI` "
+        "misst ihn, `hydroscope explain LOG --machine DATEI` sagt, was sich gegenüber den Bezugswerten der Datei geändert hat, "
+        "mit --since VORHER gegenüber einem anderen Log",
         stated.name, KindOf(stated).title));
   Machine machine = stated;
   AssumeTolerances(machine);

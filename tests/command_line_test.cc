@@ -55,6 +55,8 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
   for (const Case& c : {
            Case{{"frf", "x.csv", "-m", "m.toml", "--settle", "-1"},
                 "--settle -1: expected 0 or a positive number"},
+           Case{{"simulate", "flexible-axis", "--out", "x.csv", "--rows", "999999999999"},
+                "--rows 999999999999: expected a smaller number"},
            Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
            Case{{"serve", "m.toml", "--db", "x.db", "--port", "99999"},
                 "--port 99999: expected a whole number from 0 to 65535"},

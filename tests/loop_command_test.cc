@@ -47,6 +47,16 @@ TEST_F(LoopCommand, FrfGivesTheTruthWithTheDocumentedKeysAndAPicture) {
   EXPECT_EQ(head, "<svg");
 }
 
+TEST_F(LoopCommand, CheckSaysNothingOfEpisodesAndErrorsThatItDoesNotCount) {
+  SimulateLoop("c.csv", {"--seconds", "10"});
+  const auto json = Run({"check", File("c.csv"), "-m", machine_, "--json", "-"}).Json();
+  for (const char* key : {"strokes", "rms_holdout", "noise_floor"})
+    EXPECT_TRUE(json.at(key).is_null()) << key;
+  const Ran fit = Run({"fit", File("c.csv"), "-m", machine_});
+  EXPECT_EQ(fit.exit_code, 3);
+  EXPECT_THAT(fit.err, HasSubstr("hydroscope frf LOG --machine FILE"));
+}
+
 TEST_F(LoopCommand, TheExchangeOfTheValveIsItsGainThatDoubledAndNothingElse) {
   SimulateLoop("old.csv", {"--seconds", "40"});
   SimulateLoop("new.csv", {"--seconds", "40", "--valve", "38", "--seed", "2"});

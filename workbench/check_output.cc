@@ -10,6 +10,7 @@
 #include "core/counted_words.h"
 #include "core/shown_width.h"
 #include "core/units.h"
+#include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
@@ -287,6 +288,7 @@ nlohmann::json CheckJson(const CheckResult& check) {
   const TimeSurvey& t = check.time;
   const RunSummary& s = check.pass.summary;
   const DisplayUnit unit = OutputUnit(check.machine);
+  const bool fitted = check.figures.noise_floor > 0;
   nlohmann::json signals = nlohmann::json::array(), findings = nlohmann::json::array();
   for (const CheckedSignal& signal : check.signals) signals.push_back(SignalJson(signal));
   for (const LogFinding& f : s.findings)
@@ -315,10 +317,12 @@ nlohmann::json CheckJson(const CheckResult& check) {
       {"noise", NoiseJson(check.trust.floor)},
       {"signals", signals},
       {"gate", GateJson(check)},
-      {"strokes", check.driving.strokes},
+      // A machine in closed loop has none, and no error of a model.
+      {"strokes",
+       ClosedLoopOf(check.machine) != nullptr ? nlohmann::json() : nlohmann::json(check.driving.strokes)},
       {"parameters", ParametersCheckJson(check)},
-      {"rms_holdout", check.figures.rms_holdout * unit.factor},
-      {"noise_floor", check.figures.noise_floor * unit.factor},
+      {"rms_holdout", fitted ? nlohmann::json(check.figures.rms_holdout * unit.factor) : nlohmann::json()},
+      {"noise_floor", fitted ? nlohmann::json(check.figures.noise_floor * unit.factor) : nlohmann::json()},
       {"unit", unit.name},
       {"model_version", check.machine.model_version},
       {"effects", check.machine.added_effects},

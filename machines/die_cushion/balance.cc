@@ -10,6 +10,7 @@
 #include "machines/die_cushion/library.h"
 #include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
+#include "models/output_unit.h"
 #include "models/smooth_rate.h"
 
 namespace hydroscope {
@@ -186,8 +187,10 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   };
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
-  model->shown = {{kPressureA, "Pa"}, {kSpool, "1", "%", 100}, {kPosition, "m"},
-                  {kSpeed, "m/s"},    {kOilTemperature, "K"},  {kPressureRate, "Pa/s", "bar/s", 1e-5}};
+  const DisplayUnit spool = ShownUnit(machine, "y_v");  // as check and gate have it
+  model->shown = {{kPressureA, "Pa"},     {kSpool, "1", std::string(spool.name), spool.factor},
+                  {kPosition, "m"},       {kSpeed, "m/s"},
+                  {kOilTemperature, "K"}, {kPressureRate, "Pa/s", "bar/s", 1e-5}};
   model->free_run =
       FreeRunChannel{kPressureA, "Pa", "pressure", {kSpeed, kAcceleration, kPressureRate, kTime}, 1e3, 1.0};
   model->published = AsPublished(area->value, geometry.tank_pressure);

@@ -26,6 +26,20 @@ Eigen::VectorXd ThetaOf(double bulk, double dead, double flow, double null) {
   return Eigen::Vector4d(-gain, -dead / bulk, -0.0125 / bulk, gain * null);
 }
 
+TEST(DieCushion, TheSpoolIsShownInTheUnitThatCheckShowsItIn) {
+  for (const auto& [unit, factor] : {std::pair("1", 1.0), std::pair("%", 100.0)}) {
+    Machine machine = TestMachine();
+    machine.signals[2].unit = unit;
+    const auto model = *BuildModel(machine);
+    const auto spool = std::ranges::find(model->shown, "y_v", [&](const auto& shown) {
+      return model->channel_names[static_cast<std::size_t>(shown.channel)];
+    });
+    ASSERT_NE(spool, model->shown.end());
+    EXPECT_EQ(spool->display, unit);
+    EXPECT_EQ(spool->factor, factor);
+  }
+}
+
 TEST(DieCushion, PhysicalParametersComeBackFromTheRegressionParameters) {
   const auto model = *BuildModel(TestMachine());
   const auto derived = model->derive(ThetaOf(1.21e9, 1.65e-3, 1.7e-3, 0.008));

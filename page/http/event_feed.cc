@@ -9,7 +9,6 @@ void EventFeed::Publish(const std::string& data) { Add("data: " + data + "\n\n")
 void EventFeed::KeepAlive() { Add(":\n\n"); }
 
 void EventFeed::Add(std::string text) {
-  std::vector<std::function<void()>> woken;
   {
     const std::lock_guard lock(mutex_);
     kept_bytes_ += text.size();
@@ -19,19 +18,25 @@ void EventFeed::Add(std::string text) {
       kept_bytes_ -= kept_.front().size();
       kept_.pop_front();
     }
+  }
+  Wake();
+}
+
+void EventFeed::Wake() {
+  std::vector<std::function<void()>> woken;
+  {
+    const std::lock_guard lock(mutex_);
     woken.swap(waiting_);
   }
   for (const auto& wake : woken) wake();
 }
 
 void EventFeed::Close() {
-  std::vector<std::function<void()>> woken;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    woken.swap(waiting_);
   }
-  for (const auto& wake : woken) wake();
+  Wake();
 }
 
 EventFeed::Piece EventFeed::Read(std::uint64_t& position, std::size_t most, const std::function<void()>& wait,

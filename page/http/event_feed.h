@@ -20,6 +20,8 @@ class EventFeed {
   void Publish(const std::string& data);
   /// Adds a comment, which keeps streams alive.
   void KeepAlive();
+  /// Has the readers that wait look again, whether they may stay.
+  void Wake();
   /// No more events: readers read what is there, then get `ended`.
   void Close();
 
@@ -28,7 +30,7 @@ class EventFeed {
     bool ended = false;
   };
   /// At most `most` bytes from byte `position` of the stream on, which moves along. If there is nothing, `wait` is called
-  /// before anything can be added, so that no wake-up is lost; `wake` then runs once, at the next Publish or Close.
+  /// before anything can be added, so that no wake-up is lost; `wake` then runs once, at the next Publish, Wake or Close.
   Piece Read(std::uint64_t& position, std::size_t most, const std::function<void()>& wait,
              const std::function<void()>& wake);
   /// The position behind all that was published.

@@ -10,16 +10,37 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
+#include "page/http/connection_places.h"
 #include "page/http/json_reply.h"
 #include "page/http/request_guard.h"
 
 namespace hydroscope {
+
+/// A connection of the port, from its first byte on.
+struct PortConnection {
+  ConnectionPlaces* places;
+  ConnectionPlaces::Id id = 0;
+  bool of_user = false;  ///< the request under way is of somebody logged in
+  bool listens = false;  ///< to events, and may be suspended
+  bool leaves = false;
+
+  void Asked(const HttpRequest& request) {
+    of_user = request.who.role != UserRole::kNobody;
+    places->Uses(id, of_user ? ConnectionPlaces::Use::kUser : ConnectionPlaces::Use::kGuest);
+  }
+  void Answered() const {
+    places->Uses(id, of_user ? ConnectionPlaces::Use::kUserRests : ConnectionPlaces::Use::kRests);
+  }
+};
+
 namespace {
 
 constexpr unsigned kMostConnections = 320;       ///< of all pages that are open
 constexpr unsigned kMostOfOneAddress = 64;       ///< of these, where other computers reach the port
+constexpr unsigned kLeaving = 80;                ///< more of them that were told to leave and have not yet
 constexpr unsigned kIdle = 30;                   ///< s without a byte after which a connection is closed
 constexpr std::size_t kMostHeaders = 32 * 1024;  ///< bytes of a connection's buffers, head included
 constexpr std::size_t kEventPiece = 4096;        ///< bytes of a stream handed over at a time
@@ -44,6 +65,12 @@ struct OpenRequest {
     if (!request.file.empty()) unlink(request.file.c_str());  // was not kept
   }
 };
+
+/// Null by the socket.
+PortConnection* PlaceOf(MHD_Connection* connection) {
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  return info == nullptr ? nullptr : static_cast<PortConnection*>(info->socket_context);
+}
 
 struct EventStream {
   const HttpServer::Hooks* hooks;
@@ -113,7 +140,9 @@ MHD_Result Send(MHD_Connection* connection, const HttpReply& reply) {
 ssize_t NextEvents(void* self, std::uint64_t, char* buffer, std::size_t most) {
   auto* stream = static_cast<EventStream*>(self);
   MHD_Connection* connection = stream->connection;
-  if (!stream->hooks->may_listen_on(stream->request)) return MHD_CONTENT_READER_END_OF_STREAM;
+  const PortConnection* place = PlaceOf(connection);
+  if ((place != nullptr && place->leaves) || !stream->hooks->may_listen_on(stream->request))
+    return MHD_CONTENT_READER_END_OF_STREAM;
   const EventFeed::Piece piece = stream->hooks->events->Read(
       stream->position, most, [connection] { MHD_suspend_connection(connection); },
       [connection] { MHD_resume_connection(connection); });
@@ -123,6 +152,7 @@ ssize_t NextEvents(void* self, std::uint64_t, char* buffer, std::size_t most) {
 }
 
 MHD_Result SendEvents(MHD_Connection* connection, const HttpServer::Hooks& hooks, HttpRequest request) {
+  if (PortConnection* place = PlaceOf(connection)) place->listens = true;
   auto* stream = new EventStream{&hooks, connection, std::move(request), hooks.events->end()};
   MHD_Response* response =
       MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kEventPiece, NextEvents, stream,
@@ -185,48 +215,75 @@ Result<int> ListenAt(const std::string& path) {
 
 }  // namespace
 
-bool HttpListen::at_home() const { return address.starts_with("127.") || address == "::1"; }
+/// What a daemon of the library answers at: the port or the socket.
+struct HttpServer::Door {
+  explicit Door(Hooks* to) : hooks(to) {}
 
-struct HttpServer::Impl {
-  Hooks hooks;
-  HttpListen listen;
-  MHD_Daemon *of_port = nullptr, *of_socket = nullptr;
-  int port = 0;
-  std::string socket;
+  Hooks* hooks;
+  std::optional<ConnectionPlaces> places;  ///< of the port
+  MHD_Daemon* daemon = nullptr;
 
+  bool of_socket() const { return !places; }
   /// `more`: what to listen at, and how, as options of libmicrohttpd.
-  MHD_Daemon* Start(unsigned flags, std::vector<MHD_OptionItem> more) {
+  void Open(unsigned flags, std::vector<MHD_OptionItem> more) {
     more.push_back({MHD_OPTION_END, 0, nullptr});
-    return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | flags, 0, nullptr,
-                            nullptr, &Impl::Handle, this, MHD_OPTION_ARRAY, more.data(),
-                            MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget, nullptr, MHD_OPTION_CONNECTION_LIMIT,
-                            kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT, kIdle,
-                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders, MHD_OPTION_END);
+    daemon = MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | flags, 0, nullptr,
+                              nullptr, Handle, this, MHD_OPTION_ARRAY, more.data(),
+                              MHD_OPTION_NOTIFY_COMPLETED, Forget, nullptr, MHD_OPTION_NOTIFY_CONNECTION,
+                              ComesAndGoes, this, MHD_OPTION_CONNECTION_LIMIT, kMostConnections + kLeaving,
+                              MHD_OPTION_CONNECTION_TIMEOUT, kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+                              kMostHeaders, MHD_OPTION_END);
   }
-  bool IsBySocket(MHD_Connection* connection) const {
-    const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_DAEMON);
-    return info != nullptr && info->daemon == of_socket;
+  void Close() const {
+    if (daemon != nullptr) MHD_stop_daemon(daemon);
+  }
+
+  static void ComesAndGoes(void* self, MHD_Connection* connection, void** context,
+                           MHD_ConnectionNotificationCode what) {
+    auto* door = static_cast<Door*>(self);
+    if (door->of_socket()) return;
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+      auto* place = new PortConnection{&*door->places};
+      *context = place;
+      const int fd = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+      place->id = door->places->Opened(AddressOf(connection), [door, place, fd] {
+        place->leaves = true;
+        shutdown(fd, SHUT_RDWR);  // the library sees it as soon as its other end had closed it ...
+        if (place->listens) door->hooks->events->Wake();  // ... but of one that is suspended
+      });
+      return;
+    }
+    auto* place = static_cast<PortConnection*>(*context);
+    door->places->Closed(place->id);
+    delete place;
+    *context = nullptr;
   }
 
   static MHD_Result Handle(void* self, MHD_Connection* connection, const char* url, const char* method,
                            const char*, const char* data, std::size_t* size, void** request) {
-    auto* impl = static_cast<Impl*>(self);
-    if (*request == nullptr) return impl->Begin(connection, url, method, request);
+    auto* door = static_cast<Door*>(self);
+    if (*request == nullptr) return door->Begin(connection, url, method, request);
     auto& open = *static_cast<OpenRequest*>(*request);
     if (*size > 0) return Take(open, data, size);
-    return impl->Finish(connection, open);
+    return door->Finish(connection, open);
   }
 
   /// The head is there: refuses, or makes ready for the body.
   MHD_Result Begin(MHD_Connection* connection, const char* url, const char* method, void** request) const {
     HttpRequest head = HeadOf(connection, url, method);
-    head.by_socket = IsBySocket(connection);
-    if (!head.by_socket)
-      if (const auto refusal = hooks.refuse(head)) return Send(connection, *refusal);
+    head.by_socket = of_socket();
+    const auto refusal = head.by_socket ? std::nullopt : hooks->refuse(head);
+    if (PortConnection* place = PlaceOf(connection)) place->Asked(head);
+    if (refusal) return Send(connection, *refusal);
     auto* open = new OpenRequest{std::move(head)};
     *request = open;
-    open->request.file = hooks.body_file(open->request);
-    if (!open->request.file.empty()) open->file.open(open->request.file, std::ios::binary);
+    open->request.file = hooks->body_file(open->request);
+    if (open->request.file.empty()) return MHD_YES;
+    open->file.open(open->request.file, std::ios::binary);
+    std::error_code ignored;  // has the size it will have, so that who comes meanwhile sees what room is left
+    if (open->request.length > 0)
+      std::filesystem::resize_file(open->request.file, static_cast<std::uintmax_t>(open->request.length),
+                                   ignored);
     return MHD_YES;
   }
 
@@ -250,23 +307,34 @@ struct HttpServer::Impl {
                     ErrorReply(507, Told("the upload cannot be stored: is the disk full?",
                                          "die Datei kann nicht abgelegt werden: ist die Platte voll?")));
     }
-    if (open.request.path == hooks.event_path && open.request.method == "GET")
-      return SendEvents(connection, hooks, std::move(open.request));
-    return Send(connection, hooks.answer(open.request));
+    if (open.request.path == hooks->event_path && open.request.method == "GET")
+      return SendEvents(connection, *hooks, std::move(open.request));
+    return Send(connection, hooks->answer(open.request));
   }
 
-  static void Forget(void*, MHD_Connection*, void** request, MHD_RequestTerminationCode) {
+  static void Forget(void*, MHD_Connection* connection, void** request, MHD_RequestTerminationCode) {
     delete static_cast<OpenRequest*>(*request);
     *request = nullptr;
+    if (const PortConnection* place = PlaceOf(connection)) place->Answered();
   }
 };
+
+struct HttpServer::Impl {
+  Hooks hooks;
+  HttpListen listen;
+  Door of_port{&hooks}, of_socket{&hooks};
+  int port = 0;
+  std::string socket;
+};
+
+bool HttpListen::at_home() const { return address.starts_with("127.") || address == "::1"; }
 
 HttpServer::HttpServer() : impl_(std::make_unique<Impl>()) {}
 
 HttpServer::~HttpServer() {
   if (impl_->hooks.events != nullptr) impl_->hooks.events->Close();
-  for (MHD_Daemon* daemon : {impl_->of_port, impl_->of_socket})
-    if (daemon != nullptr) MHD_stop_daemon(daemon);
+  impl_->of_port.Close();
+  impl_->of_socket.Close();
   if (!impl_->socket.empty()) unlink(impl_->socket.c_str());
 }
 
@@ -280,8 +348,9 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Open(const HttpListen& listen, H
   if (!listen.socket.empty()) {
     const auto listener = ListenAt(listen.socket);
     if (!listener) return tl::unexpected(listener.error());
-    impl.of_socket = impl.Start(0, {{MHD_OPTION_LISTEN_SOCKET, *listener, nullptr}});
-    if (impl.of_socket == nullptr) return InternalError("the socket {} cannot be served", listen.socket);
+    impl.of_socket.Open(0, {{MHD_OPTION_LISTEN_SOCKET, *listener, nullptr}});
+    if (impl.of_socket.daemon == nullptr)
+      return InternalError("the socket {} cannot be served", listen.socket);
     impl.socket = listen.socket;
   }
   if (!listen.port) return server;
@@ -295,15 +364,17 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Open(const HttpListen& listen, H
     options.push_back({MHD_OPTION_HTTPS_MEM_KEY, 0, impl.listen.key.data()});
     options.push_back({MHD_OPTION_HTTPS_PRIORITIES, 0, const_cast<char*>(kTlsPriorities)});
   }
-  if (!listen.at_home()) options.push_back({MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMostOfOneAddress, nullptr});
+  impl.of_port.places.emplace(
+      ConnectionPlaces::Limits{kMostConnections, listen.at_home() ? kMostConnections : kMostOfOneAddress});
   errno = 0;
-  impl.of_port = impl.Start(flags, std::move(options));
-  if (impl.of_port == nullptr && errno == 0 && !listen.certificate.empty())
+  impl.of_port.Open(flags, std::move(options));
+  MHD_Daemon* daemon = impl.of_port.daemon;
+  if (daemon == nullptr && errno == 0 && !listen.certificate.empty())
     return BadInput("the certificate of the page and its key are no pair of PEM files");
-  if (impl.of_port == nullptr)
+  if (daemon == nullptr)
     return BadInput("port {} on {} cannot be opened ({}); give another one with --port, or 0 for any",
                     *listen.port, listen.address, std::strerror(errno));
-  const auto* info = MHD_get_daemon_info(impl.of_port, MHD_DAEMON_INFO_BIND_PORT);
+  const auto* info = MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT);
   impl.port = info == nullptr ? *listen.port : info->port;
   return server;
 }

@@ -49,6 +49,7 @@ class HttpServer {
 
  private:
   HttpServer();
+  struct Door;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -106,6 +106,7 @@ nlohmann::json EpisodeJson(const StatesFit& fit, std::size_t index) {
     outputs.push_back(
         {{"name", name},
          {"unit", unit.name},
+         {"noise", fit.one_step[static_cast<std::size_t>(j)] * unit.factor},
          {"measured", course(unit, signal, [&](int row) { return episode.signal(row, signal); })},
          {"modelled", course(unit, signal, [&](int row) { return run.outputs(row, j); })}});
   }

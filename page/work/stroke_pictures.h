@@ -14,8 +14,8 @@ namespace hydroscope {
 nlohmann::json StrokePicturesJson(const CompareResult& result);
 
 /// The same of a machine with states, whose model runs by itself through each episode: `modelled` is that run. Of long episodes
-/// every so many rows. `noise` is empty; `outputs` (`name`, `unit`, `measured`, `modelled`) has all outputs, of which the first
-/// is the picture's own.
+/// every so many rows. `noise` is empty; `outputs` (`name`, `unit`, `measured`, `modelled`, `noise`: what stays of the error where
+/// past errors may be used, so at most this is noise of the sensor) has all outputs, of which the first is the picture's own.
 nlohmann::json EpisodePicturesJson(const StatesFit& fit);
 
 }  // namespace hydroscope

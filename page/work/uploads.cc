@@ -8,9 +8,38 @@
 #include "page/api_arguments.h"
 
 namespace hydroscope {
+namespace {
 
-Uploads::Uploads(std::string folder) : folder_(std::move(folder)) {
+constexpr double kGb = 1 << 30;
+constexpr std::int64_t kLeftFree = 200 << 20;  ///< bytes that others need, the database of a service say
+
+}  // namespace
+
+Uploads::Uploads(std::string folder, std::int64_t most) : folder_(std::move(folder)), most_(most) {
   std::filesystem::create_directory(folder_);
+}
+
+Status Uploads::MayTake(std::int64_t bytes) const {
+  std::error_code ignored;
+  std::int64_t used = 0;
+  for (auto file = std::filesystem::recursive_directory_iterator(folder_, ignored);
+       file != std::filesystem::recursive_directory_iterator(); file.increment(ignored))
+    if (const std::uintmax_t size = file->file_size(ignored); !ignored)
+      used += static_cast<std::int64_t>(size);
+  if (used + bytes > most_)
+    return BadInput(Tell(
+        "the logs on the page would take {:.1f} GB together, more than the {:.1f} GB that it has; those that nobody works on any "
+        "more are removed, so work with fewer at a time",
+        "die Logs der Seite wären zusammen {:.1f} GB, mehr als die {:.1f} GB, die sie hat; solche, mit denen niemand mehr "
+        "arbeitet, werden entfernt, also mit weniger auf einmal arbeiten",
+        static_cast<double>(used + bytes) / kGb, static_cast<double>(most_) / kGb));
+  const auto disk = std::filesystem::space(folder_, ignored);
+  if (!ignored && static_cast<std::int64_t>(disk.available) < bytes + kLeftFree)
+    return BadInput(
+        Tell("the upload does not fit onto the disk of {}: {:.1f} GB are free there; make room",
+             "die Datei passt nicht auf die Platte von {}: dort sind {:.1f} GB frei; Platz schaffen", folder_,
+             static_cast<double>(disk.available) / kGb));
+  return {};
 }
 
 std::string Uploads::NewFile() { return fmt::format("{}/.{}", folder_, ++made_); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -14,8 +15,14 @@ using KeptFile = std::shared_ptr<const std::string>;
 /// Files that came to the page, below a folder.
 class Uploads {
  public:
-  /// Makes the folder. It has to outlive what is kept.
-  explicit Uploads(std::string folder);
+  static constexpr std::int64_t kMostTogether = std::int64_t{6} << 30;  ///< bytes
+
+  /// Makes the folder. It has to outlive what is kept. `most`: bytes of all files together.
+  explicit Uploads(std::string folder, std::int64_t most = kMostTogether);
+
+  /// Whether there is room for one of this size beside what is kept and what is on its way. Errors: it is too much together, or for
+  /// the disk.
+  Status MayTake(std::int64_t bytes) const;
 
   /// Where the next one is to be written to. It belongs to who writes it until it is kept.
   std::string NewFile();
@@ -24,6 +31,7 @@ class Uploads {
 
  private:
   const std::string folder_;
+  const std::int64_t most_;
   std::atomic<int> made_ = 0, kept_ = 0;
 };
 

@@ -49,6 +49,7 @@ class WorkSession {
 
   /// A file for an upload to be written to (Uploads::NewFile).
   std::string UploadFile() { return uploads_.NewFile(); }
+  Status MayUpload(std::int64_t bytes) const { return uploads_.MayTake(bytes); }
   /// Takes an upload as a log. Error: it cannot be read as one.
   Status TakeLog(const std::string& name, const std::string& file);
   /// Takes the text of a machine file as the one worked on. Error: it is none.

@@ -6,6 +6,7 @@
 #include "diagnosis/states/missing_sensors.h"
 #include "models/machine_kind.h"
 #include "studies/pump/identification.h"
+#include "workbench/states/states_log.h"
 
 namespace hydroscope {
 namespace {
@@ -57,6 +58,19 @@ TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSe
   EXPECT_EQ(together.parameters[1], "K_q");
   ASSERT_FALSE(together.sensors.empty());
   EXPECT_EQ(together.sensors.front().signal, "control_position");
+}
+
+TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
+  PumpOptions
+      options;  // as `simulate pump --seed 7`: over the whole log functions predict 7 % of what is left, by chance
+  options.seconds = 6;
+  options.seed = 7;
+  EpisodeLog log;
+  log.machine = PumpFile(true);
+  log.episodes = {PumpEpisode(SimulatePump(options), log.machine)};
+  const auto fit = FitEpisodes(std::move(log));
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_TRUE(fit->noise_alone());
 }
 
 TEST(PumpRules, WatchParametersThatThePumpHas) {

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./api";
 import { knowEffects } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
+import { shareOfVariation } from "./units";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
@@ -54,9 +55,22 @@ export async function work(kind: string, more: object = {}, path = "work"): Prom
   if (ended.state === "failed") throw new ApiError(0, ended.error ?? "", ended.german?.error);
 }
 
+/** Errors of several outputs together are shares, and read as percent. Changes `of`, which has a `unit` of errors, and gives it back. */
+export function withShares<T extends { unit?: string } | null | undefined>(of: T): T {
+  if (of && of.unit === "1" && state.session?.machine?.states) of.unit = shareOfVariation;
+  return of;
+}
+
+async function sessionNow(): Promise<Session> {
+  const session = await get<Session>("session");
+  if (session.machine?.states) for (const version of session.versions) if (version.unit === "1") version.unit = shareOfVariation;
+  return session;
+}
+
 async function fetchResult(kind: Kind, version: number) {
   const result = await find<never>("results", { kind, version });
   if (!result || state.session?.machine?.version !== version) return;
+  withShares(result);
   set({ results: { ...state.results, [kind]: result } });
 }
 
@@ -65,7 +79,7 @@ async function workOut(kind: Kind, version: number) {
   try {
     if (!(await find("results", { kind, version }))) await work(kind);
     await fetchResult(kind, version);
-    if (kind === "compare") set({ session: await get<Session>("session") });  // the errors of this version
+    if (kind === "compare") set({ session: await sessionNow() });  // the errors of this version
   } catch (caught) {
     set({ failed: { ...state.failed, [kind]: failureOf(caught) } });
   }
@@ -74,7 +88,7 @@ async function workOut(kind: Kind, version: number) {
 let shown = "";  // what the results belong to: logs, version, library, what was measured
 
 export async function refresh(): Promise<void> {
-  const session = await get<Session>("session");
+  const session = await sessionNow();
   bringToken(session.user?.token ?? "");
   const locked = session.login !== null && session.login.to_read && session.user === null;
   set({ locked, anyUsers: session.login?.users ?? true });

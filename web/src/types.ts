@@ -52,7 +52,7 @@ export interface Session {
 export interface User { name: string; role: "view" | "operate" | "admin"; token: string }
 
 export interface CheckResult {
-  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number; hints: string[]; warnings: string[]; german?: { hints: string[] };
+  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number | null; hints: string[]; warnings: string[]; german?: { hints: string[] };
   sampling: { rate_hz: number; fast_enough: boolean; gaps: number };
   signals: { signal: string; column: string; unit: string; present: boolean; min: number | null; max: number | null; noise_std: number | null;
     good: number; flags: Record<string, { count: number; first_s: number }> }[];
@@ -115,7 +115,7 @@ export interface StrokePicture {
   signals: { name: string; unit: string; values: number[] }[];
   free_run: { unit: string; step: number; measured: number[]; simulated: number[] } | null;
   with_effect?: number[] | null;  // modelled with the effect asked for
-  outputs?: { name: string; unit: string; measured: number[]; modelled: number[] }[];  // of a model with states
+  outputs?: { name: string; unit: string; measured: number[]; modelled: number[]; noise: number }[];  // of a model with states
 }
 
 export interface LogPicture {

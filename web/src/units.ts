@@ -50,7 +50,11 @@ export const unitsKey = () => Object.values(chosen).join();
 const parts: Record<string, [Quantity, number]> = { GPa: ["pressure", 1e4], bar: ["pressure", 1], "l/min": ["flow", 1], mm: ["length", 1], l: ["volume", 1] };
 const part = /(?<![A-Za-z])(GPa|bar|l\/min|mm|l)(?![A-Za-z])/g;
 
+/** Unit of an error that the program gives as a share of how much each output varies, as "1". */
+export const shareOfVariation = "share of variation";
+
 function convert(name: string): Unit {
+  if (name === shareOfVariation) return { factor: 100, offset: 0, name: "%" };
   if (name === "°C") return { factor: (unitChoices.temperature as Record<string, number>)[chosen.temperature], offset: chosen.temperature === "°F" ? 32 : 0, name: chosen.temperature };
   let factor = 1;
   const written = name.replace(part, (word, _, at: number, all: string) => {

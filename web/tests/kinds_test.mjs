@@ -77,7 +77,7 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   await page.waitForSelector("text=/ 1 episode inside/");  // one, in words
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
-  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.0/);
+  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+ %;/);
   await page.goto(`${address}#step=locate`);
   await page.waitForSelector(".heat .cell");
   assert.match(await page.locator(".centre").innerText(), /The map is flat: [^]*Of (outlet_pressure|control_pressure|control_position); these signals predict 0 %/);

@@ -340,6 +340,8 @@ std::string NextText(const ExplainResult& result) {
   std::string text = "\nNext\n";
   const std::optional<Told> experiment = WhatToRecord(result);
   if (experiment) text += fmt::format("  {}\n", experiment->english);
+  if (const std::string arguments = MeasuredArguments(result); !arguments.empty())
+    text += fmt::format("  What a test gave is told with {}\n", arguments);
   text += SwapText(result);
   if (!x.odd_strokes.empty())
     return text +

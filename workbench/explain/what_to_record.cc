@@ -85,26 +85,31 @@ Told Separating(const ExplainResult& result) {
   return Joined(text, " ");
 }
 
+/// Of the rivals those that a test off the log gives the size of.
+std::vector<const Effect*> Measurable(const ExplainResult& result) {
+  std::vector<const Effect*> measurable;
+  for (const auto& group : result.explanation.groups) {
+    if (group.size() < 2) continue;
+    for (const std::string& id : group)
+      if (const Effect* effect = result.FindEffect(id); effect != nullptr && !effect->measured_by.empty())
+        measurable.push_back(effect);
+  }
+  return measurable;
+}
+
 /// Tests off the log that decide between rivals, also those that no series of strokes tells apart.
 Told OffTheLog(const ExplainResult& result) {
   std::vector<Told> tests;
-  std::vector<std::string> told;
-  for (const auto& group : result.explanation.groups) {
-    if (group.size() < 2) continue;
-    for (const std::string& id : group) {
-      const Effect* effect = result.FindEffect(id);
-      if (effect == nullptr || effect->measured_by.empty()) continue;
-      tests.push_back(Tell("{} ({})", "{} ({})", effect->measured_by, id));
-      told.push_back(fmt::format("--measured {}=SIZE:STANDARD_ERROR", id));
-    }
-  }
+  for (const Effect* effect : Measurable(result))
+    tests.push_back(Tell("{} ({})", "{} ({})", effect->measured_by, effect->id));
   if (tests.empty()) return {};
   const std::string left = fmt::to_string(fmt::join(result.experiment.left, ", "));
   const Told begin = left.empty() ? Tell("Instead of strokes, take", "Statt Hüben nehmen:")
                                   : Tell("No stroke tells {} from all others: take",
                                          "Kein Hub trennt {} von allen anderen; zu nehmen:", left);
-  return Tell("{} {}, and explain with {}.", "{} {}, und erklären lassen mit {}.", begin, Joined(tests, "; "),
-              fmt::to_string(fmt::join(told, " ")));
+  return Tell("{} {}, and have it explained again with what the test gave.",
+              "{} {}, und mit dem, was die Prüfung ergab, wieder erklären lassen.", begin,
+              Joined(tests, "; "));
 }
 
 /// What would excite the effects these strokes cannot test.
@@ -158,6 +163,14 @@ std::optional<Told> WhatToRecord(const ExplainResult& result) {
   if (x.verdict == Verdict::kNamed) return std::nullopt;
   const Told exciting = Exciting(result);
   return exciting.empty() ? std::nullopt : std::optional(exciting);
+}
+
+std::string MeasuredArguments(const ExplainResult& result) {
+  if (result.explanation.verdict != Verdict::kAmbiguous || result.log.model->kind->own_library) return "";
+  std::vector<std::string> arguments;
+  for (const Effect* effect : Measurable(result))
+    arguments.push_back(fmt::format("--measured {}=SIZE:STANDARD_ERROR", effect->id));
+  return fmt::to_string(fmt::join(arguments, " "));
 }
 
 }  // namespace hydroscope

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "workbench/explain/explain_log.h"
 
@@ -10,5 +11,8 @@ namespace hydroscope {
 /// Ambiguous: moves that separate the rivals. Otherwise: what kept the strokes from testing the library, such
 /// as one ram speed for all of them.
 std::optional<Told> WhatToRecord(const ExplainResult& result);
+
+/// How the command line is told what the tests off the log gave that WhatToRecord speaks of; "" where it speaks of none.
+std::string MeasuredArguments(const ExplainResult& result);
 
 }  // namespace hydroscope

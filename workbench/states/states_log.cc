@@ -9,8 +9,10 @@
 
 #include "core/cannot_write.h"
 #include "core/told_error.h"
+#include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/other_causes/initial_values.h"
+#include "diagnosis/states/spread_pieces.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
@@ -30,6 +32,21 @@ double Overall(const StateFit& fit, const Eigen::VectorXd& rms) {
 /// What is left is no white noise.
 bool Coloured(const StatesError& error, const StateRemainder& left) {
   return left.structured || error.coloured();
+}
+
+/// Judged by what `explain` judges by, so that both say the same: of means over revolutions by a fit over short runs, in which a
+/// disturbance that a free run carries along for long counts once.
+StateRemainder JudgedRemainder(const StateFit& fit, const std::vector<Episode>& episodes,
+                               const StateFitOptions& options) {
+  const bool means = std::ranges::any_of(episodes, [](const Episode& e) { return e.mean_rows > 1; });
+  const std::vector<Episode> runs =
+      means ? ShortRuns(episodes, ExplainStatesOptions{}.means.readings) : std::vector<Episode>();
+  if (!runs.empty()) {
+    const StateStart start{fit.parameters, {}};
+    const StateFit over_runs = RefitStates(fit.model, runs, std::span(&start, 1), fit.noise, options);
+    if (over_runs.solved()) return RemainderOf(over_runs, runs);
+  }
+  return RemainderOf(fit, episodes);
 }
 
 /// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
@@ -122,7 +139,7 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.fit = FitStates(*model, log.episodes, start.options);
   if (!out.fit.solved())
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", log.machine.name, out.fit.failed));
-  out.left = RemainderOf(out.fit, log.episodes);
+  out.left = JudgedRemainder(out.fit, log.episodes, start.options);
   out.error = ErrorOf(out.fit, out.left);
   if (out.left.structured || out.slow()) {
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);

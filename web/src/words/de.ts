@@ -9,6 +9,7 @@ export const de: Words = {
   themeLight: "hell",
   themeDark: "dunkel",
   loading: "Lädt …",
+  verdictComing: "Jeder Effekt wird an diesen <Hüben|Episoden> versucht: Das Urteil dauert einen Moment, bei einer großen Maschine Minuten …",
   lost: "Die Verbindung zum Programm ist weg. Es wird weiter versucht; Getipptes bleibt stehen.",
   startOver: "Neu anfangen",
   startOverSure: "Logs und Modell dieser Seite vergessen? Was nicht gespeichert ist, geht verloren.",
@@ -88,7 +89,7 @@ export const de: Words = {
   mapFileText: "Maschinendatei zeigen",
   mapGo: "Zur Werkbank",
 
-  gateTitle: "Hübe",
+  gateTitle: "<Hübe|Episoden>",
   gateText: "Schattiert ist, was das Gate durchlässt: {count} <Hub/Hübe|Episode/Episoden>; {discarded} <war/waren> zu kurz.",
   gateFrom: "von",
   gateTo: "bis",
@@ -125,6 +126,7 @@ export const de: Words = {
   from: "aus {version}",
 
   checkTitle: "Kann man diesem Log glauben?",
+  checkRowsAlone: "{rows} <Zeile/Zeilen> in {duration}, {rate} <Zeile/Zeilen> je Sekunde",
   checkRows: "{rows} <Zeile/Zeilen> in {duration}, {rate} <Zeile/Zeilen> je Sekunde; {strokes} <Hub/Hübe|Episode/Episoden> im Gate",
   checkSignal: "Signal",
   checkLow: "kleinster",
@@ -164,6 +166,7 @@ export const de: Words = {
   modelled: "modelliert",
   before: "Fassung {version}",
   noiseBand: "95 % des Sensorrauschens",
+  noiseBandAtMost: "95 % des Sensorrauschens, höchstens",
   freeRun: "Freilauf",
   freeRunText: "Das Modell läuft ab Beginn <des Hubs|der Episode> allein: Fehler häufen sich an wie in der Maschine.",
   freeRunNone: "Diese Maschine hat keinen Kanal, den das Modell allein laufen lassen kann.",

@@ -8,6 +8,7 @@ export const en = {
   themeLight: "light",
   themeDark: "dark",
   loading: "Loading …",
+  verdictComing: "Every effect is tried on these <strokes|episodes>: the verdict takes a moment, of a large machine minutes …",
   lost: "The connection to the program is lost. Trying again; what you typed stays.",
   startOver: "Start over",
   startOverSure: "Forget logs and model of this page? What was not saved is lost.",
@@ -87,7 +88,7 @@ export const en = {
   mapFileText: "Show the machine file",
   mapGo: "To the workbench",
 
-  gateTitle: "Strokes",
+  gateTitle: "<Strokes|Episodes>",
   gateText: "Shaded is what the gate lets through: {count} <stroke/strokes|episode/episodes>; {discarded} <was/were> too short.",
   gateFrom: "from",
   gateTo: "to",
@@ -124,6 +125,7 @@ export const en = {
   from: "from {version}",
 
   checkTitle: "Can this log be believed?",
+  checkRowsAlone: "{rows} <row/rows> in {duration}, {rate} <row/rows> a second",
   checkRows: "{rows} <row/rows> in {duration}, {rate} <row/rows> a second; {strokes} <stroke/strokes|episode/episodes> inside the gate",
   checkSignal: "Signal",
   checkLow: "lowest",
@@ -163,6 +165,7 @@ export const en = {
   modelled: "modelled",
   before: "version {version}",
   noiseBand: "95 % of sensor noise",
+  noiseBandAtMost: "95 % of sensor noise, at most",
   freeRun: "Free run",
   freeRunText: "The model runs by itself from the start of the <stroke|episode>: errors pile up as they do in the machine.",
   freeRunNone: "This machine has no channel that the model can run by itself.",

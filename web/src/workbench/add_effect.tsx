@@ -2,7 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { find } from "../api";
 import { failureOf, Problem, useAttempt, type Failure } from "../failure";
 import { Formula } from "../formula";
-import { work } from "../store";
+import { withShares, work } from "../store";
 import type { CompareResult, Effect, ExplainResult, Preview, Session } from "../types";
 import { Told, ToldList, useTold } from "../told";
 import { amount } from "../units";
@@ -121,6 +121,7 @@ function usePreview(effect: string, version: number, wanted: boolean): Previewed
         await work("preview", { effect });
         preview = await find<Preview>("results", query);
       }
+      withShares(preview?.error);
       show({ preview, problem: null });
     };
     load().catch((caught) => show({ preview: null, problem: failureOf(caught) }));

@@ -22,7 +22,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
   return (
     <>
       <h1>{say("checkTitle")}</h1>
-      <p>{say("checkRows", { rows: check.rows, duration: duration(check.duration_s), rate: short(check.sampling.rate_hz), strokes: check.strokes })}</p>
+      <p>{say(check.strokes === null ? "checkRowsAlone" : "checkRows", { rows: check.rows, duration: duration(check.duration_s), rate: short(check.sampling.rate_hz), strokes: check.strokes ?? "" })}</p>
       <div class={check.hints.length > 0 ? "verdict bad" : "verdict good"}>
         {check.hints.length > 0
           ? <><strong>{say("checkHints")}</strong><ul><ToldList of={check.hints} german={check.german?.hints} /></ul></>

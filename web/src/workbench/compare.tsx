@@ -2,7 +2,7 @@ import { useMemo } from "preact/hooks";
 import { Plot, pageColor } from "../plot";
 import type { CompareResult, RegionErrors, Session, StrokePicture } from "../types";
 import { useTold } from "../told";
-import { amount, nameOf, shownUnit, unitsKey } from "../units";
+import { amount, nameOf, shareOfVariation, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 import { AsPrinted } from "./parts";
 import { regionOf, useRegionWords } from "./region";
@@ -34,7 +34,7 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
   return (
     <>
       <h1>{say("compareTitle")}</h1>
-      <p>{say(machine.states ? "compareStates" : "compareText", { error: amount(compare.rms_residual, compare.unit), noise: amount(compare.noise_floor, compare.unit) })}{machine.states && nameOf(compare.unit) === "" && ` ${say("ofVariation")}`}</p>
+      <p>{say(machine.states ? "compareStates" : "compareText", { error: amount(compare.rms_residual, compare.unit), noise: amount(compare.noise_floor, compare.unit) })}{compare.unit === shareOfVariation && ` ${say("ofVariation")}`}</p>
       {compare.held_out && <p data-held-out={compare.held_out.rms}>{say("compareHeldOut", { log: compare.held_out.log.split("/").pop()!, error: amount(compare.held_out.rms, compare.held_out.unit), strokes: compare.held_out.strokes })}</p>}
       {region.length > 0 && <p class="region"><span>{say("onlyThere", { where: regionWords(region, compare.maps) })}{errors && ` ${say("errorThere", { error: amount(errors.rms, errors.unit), noise: amount(errors.noise, errors.unit), windows: errors.windows, strokes: errors.strokes.length })}`}</span> <button class="quiet small" onClick={() => setUrl({ region: "" })}>{say("locateClear")}</button></p>}
       {!stroke ? <p class="empty">{say("noStrokes")}</p> : <>

@@ -60,7 +60,7 @@ export function HeatMap({ map, unit, region, choose }: Props) {
             rms: cell.above_floor ? amount(cell.rms, unit) : say("locateBelow"), mean: amount(cell.mean, unit), windows: cell.windows, strokes: cell.strokes });
           return (
             <button key={k} title={words} aria-pressed={brush ? between(brush, place) : isChosen(cell)}
-              class={`cell heat-${cell.above_floor ? shade : 0}`} style={{ gridColumn: column + 2, gridRow: rows - row }}
+              class={`cell ${cell.windows === 0 ? "none" : `heat-${cell.above_floor ? shade : 0}`}`} style={{ gridColumn: column + 2, gridRow: rows - row }}
               onPointerDown={(e) => { if (e.pointerType === "mouse" && e.button === 0) { e.preventDefault(); e.currentTarget.focus(); setBrush({ from: e.shiftKey ? last.current : place, to: place }); } }}
               onPointerEnter={() => { if (brush) setBrush({ ...brush, to: place }); }}
               onClick={(e) => { if (e.detail === 0 || (e as unknown as PointerEvent).pointerType !== "mouse") take({ from: e.shiftKey ? last.current : place, to: place }); }}>

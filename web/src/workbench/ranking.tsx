@@ -20,6 +20,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
   const tried = there ? there.effects.flatMap(({ effect, rms }) => fitted.filter((ranked) => ranked.effect === effect).map((ranked) => ({ ...ranked, rms_holdout: rms }))) : fitted;
   const before = there ? there.rms : explain.base.rms_holdout, noise = there ? there.noise : explain.noise_floor;
   const ruledOut = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout === null);
+  const sized = tried.some((ranked) => Object.keys(ranked.parameters).length > 0);
   const untestable = explain.ranking.filter((ranked) => !ranked.testable);
   const title = (id: string) => <TitleOf id={id} effects={effects} />;
   return (
@@ -29,20 +30,20 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
       {tried.length === 0 ? <p class="empty">{say("rankingNone")}</p> : (
         <Scroll label={say("rankingTitle")}>
           <table role="table">
-            <thead><tr role="row"><th role="columnheader"><span class="unseen">{say("rankingEffect")}</span></th><th role="columnheader">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th role="columnheader">{say("rankingSize")}</th></tr></thead>
+            <thead><tr role="row"><th role="columnheader"><span class="unseen">{say("rankingEffect")}</span></th><th role="columnheader">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th>{sized && <th role="columnheader">{say("rankingSize")}</th>}</tr></thead>
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
                   <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
                   <td role="cell">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
-                  <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
+                  {sized && <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>}
                 </tr>
               ))}
             </tbody>
           </table>
         </Scroll>
       )}
-      <p class="quiet">* {say("rankingStands")}</p>
+      {tried.some((ranked) => ranked.significant) && <p class="quiet">* {say("rankingStands")}</p>}
       {tried.length > shownAtFirst && !all && <button class="quiet" onClick={() => setAll(true)}>{say("rankingMore", { count: tried.length })}</button>}
       {untestable.length > 0 && <Excluded title={`${say("untestable")} (${untestable.length})`} text={say("untestableText")} list={untestable} name={title} />}
       {ruledOut.length > 0 && <Excluded title={`${say("ruledOut")} (${ruledOut.length})`} text="" list={ruledOut} name={title} />}

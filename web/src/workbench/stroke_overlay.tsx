@@ -27,7 +27,7 @@ export function Outputs({ chosen: name, choose, ...drawn }: Drawn & { chosen?: s
   const { picture, before } = drawn;
   const chosen = picture.outputs?.find((output) => output.name === name) ?? picture.outputs?.[0];
   const [one, was] = useMemo(() => {
-    const of = (from: StrokePicture | null) => { const output = from?.outputs?.find((o) => o.name === chosen?.name); return from && output ? { ...from, ...output } : from; };
+    const of = (from: StrokePicture | null) => { const output = from?.outputs?.find((o) => o.name === chosen?.name); return from && output ? { ...from, ...output, noise: output.measured.map(() => output.noise) } : from; };
     return [of(picture)!, of(before)];
   }, [picture, before, chosen?.name]);
   return (
@@ -60,7 +60,7 @@ function Overlay({ picture, before, parent, region, output, modelled }: Drawn) {
   }, [picture, before, regionKey, unitsKey()]);
   const band = pageColor("--band"), a = pageColor("--line-a"), b = pageColor("--line-b"), ink = pageColor("--line-measured");
   const hidden = { color: "transparent", hidden: true }, unit = nameOf(picture.unit);
-  const noise = hasNoise ? { label: say("noiseBand"), color: band } : { label: "low", ...hidden };
+  const noise = hasNoise ? { label: say(sparse ? "noiseBandAtMost" : "noiseBand"), color: band } : { label: "low", ...hidden };
   const old = data.was ? [{ label: say("before", { version: parent }), color: b, dashed: true, sparse }] : [];
   const bands = hasNoise ? [{ high: 1, low: 0, color: band }] : [];
   return (

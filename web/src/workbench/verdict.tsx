@@ -28,7 +28,7 @@ function headline(explain: ExplainResult): keyof Words {
 export function Verdict({ explain, effects, session, problem, choose }: Props) {
   const say = useWords(), rangeWords = useRangeWords();
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
-  if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
+  if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("verdictComing")}</p></section>;
   const unit = explain.unit;
   const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: say(explain.noise_at_most ? "noiseAtMost" : "noiseAlone", { noise: amount(explain.noise_floor, unit) }) };
   return (
