@@ -1,7 +1,5 @@
 #include "alarms/alarm_machine.h"
 
-#include <algorithm>
-
 namespace hydroscope {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "alarms/health.h"
 
-#include <fmt/format.h>
-
 namespace hydroscope {
 namespace {
 

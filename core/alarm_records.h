@@ -43,7 +43,7 @@ struct AlarmWords {
 
 /// Why an alarm is suppressed by design; several may hold at once.
 enum Suppression : std::uint8_t {
-  kSuppressedIdle = 1,         ///< press idle
+  kSuppressedIdle = 1,         ///< the machine rests
   kSuppressedValveCheck = 2,   ///< valve check running
   kSuppressedTooCold = 4,      ///< oil below the minimum temperature
   kSuppressedCommonCause = 8,  ///< the machine's own alarm says it for all axes

@@ -1,7 +1,5 @@
 #include "core/effect_units.h"
 
-#include <array>
-
 #include "core/constants.h"
 #include "core/units.h"
 

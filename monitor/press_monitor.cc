@@ -1,8 +1,5 @@
 #include "monitor/press_monitor.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 
 #include "core/constants.h"

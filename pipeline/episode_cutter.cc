@@ -1,7 +1,5 @@
 #include "pipeline/episode_cutter.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

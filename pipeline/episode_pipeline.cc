@@ -1,7 +1,6 @@
 #include "pipeline/episode_pipeline.h"
 
 #include <cmath>
-#include <limits>
 
 #include "core/bytes.h"
 #include "estimation/closed_loop/loop_episodes.h"

@@ -1,7 +1,6 @@
 #include "pipeline/episodes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "core/told_error.h"

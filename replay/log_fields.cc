@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 #include <cstring>
 
 #include "replay/decimal.h"

@@ -1,7 +1,6 @@
 #include "replay/log_head.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/constants.h"
 #include "replay/byte_source.h"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/constants.h"
 #include "diagnosis/remainder/locate.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/interval_text.h"
 #include "core/relative_change.h"
 #include "models/output_unit.h"

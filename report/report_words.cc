@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/quantile.h"
 #include "core/relative_change.h"
 #include "diagnosis/remainder/locate.h"
 #include "models/counted_words.h"

@@ -9,7 +9,6 @@
 #include "pipeline/axis_log.h"
 #include "report/drift_report.h"
 #include "review/axis_replay.h"
-#include "review/replay_report.h"
 
 namespace hydroscope {
 namespace {

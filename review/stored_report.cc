@@ -1,7 +1,5 @@
 #include "review/stored_report.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "core/told_error.h"

@@ -1,10 +1,7 @@
 #include "setup/column_meaning.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "setup/unit_guess.h"
 

@@ -1,7 +1,5 @@
 #include "setup/unit_guess.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,10 +1,6 @@
 #include "workbench/check_log.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "models/machine_kind.h"
 #include "pipeline/geometry_tolerance.h"
@@ -17,7 +13,6 @@
 #include "workbench/model/machine_model.h"
 #include "workbench/plausibility.h"
 #include "workbench/states/states_log.h"
-#include "workbench/states/states_output.h"
 #include "workbench/states/states_warnings.h"
 
 namespace hydroscope {

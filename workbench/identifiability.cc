@@ -1,7 +1,5 @@
 #include "workbench/identifiability.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "core/constants.h"

@@ -1,7 +1,5 @@
 #include "workbench/plausibility.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>

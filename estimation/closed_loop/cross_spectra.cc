@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 #include <unsupported/Eigen/FFT>
 
 #include "core/constants.h"

@@ -1,7 +1,6 @@
 #include "simulator/die_cushion/live_press.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace hydroscope {

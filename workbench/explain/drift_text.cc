@@ -1,7 +1,5 @@
 #include "workbench/explain/drift_text.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,5 @@
 #include "workbench/explain/explain_history.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,5 @@
 #include "workbench/explain/relative_text.h"
 
-#include <fmt/format.h>
-
 namespace hydroscope {
 
 std::vector<Relative> RelativesOf(const ExplainResult& result) {

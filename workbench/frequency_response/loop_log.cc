@@ -1,7 +1,6 @@
 #include "workbench/frequency_response/loop_log.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "estimation/closed_loop/loop_episodes.h"
 #include "models/closed_loop.h"

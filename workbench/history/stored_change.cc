@@ -1,14 +1,10 @@
 #include "workbench/history/stored_change.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 
 #include "core/distributions.h"
-#include "core/units.h"
 #include "models/counted_words.h"
 #include "storage/alarm_journal.h"
 #include "workbench/history/block_estimates.h"

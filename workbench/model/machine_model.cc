@@ -1,8 +1,5 @@
 #include "workbench/model/machine_model.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 

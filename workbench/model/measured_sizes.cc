@@ -1,8 +1,5 @@
 #include "workbench/model/measured_sizes.h"
 
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>

@@ -14,7 +14,6 @@
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
 #include "models/state_model.h"
-#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 namespace {

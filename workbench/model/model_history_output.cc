@@ -1,7 +1,6 @@
 #include "workbench/model/model_history_output.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,6 @@
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "models/parameter_unit.h"
-#include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {

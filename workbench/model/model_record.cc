@@ -1,7 +1,5 @@
 #include "workbench/model/model_record.h"
 
-#include <fmt/format.h>
-
 #include "core/told_error.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "models/counted_words.h"

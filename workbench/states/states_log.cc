@@ -1,7 +1,6 @@
 #include "workbench/states/states_log.h"
 
 #include <fmt/os.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
