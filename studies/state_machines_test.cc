@@ -236,6 +236,34 @@ TEST(StateMachines, ALawThatMayBeMissingIsToldByCompareAsByExplain) {
   EXPECT_THAT(told(0.99), testing::HasSubstr("noise alone is left"));
 }
 
+/// Inputs are held. Straight lines are what a file that says nothing means; a spline it says itself.
+TEST(StateMachines, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
+  Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
+  EpisodeLog log;
+  log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 1000}), machine)};
+  for (const InputHold hold : {InputHold::kLinear, InputHold::kSmooth}) {
+    const bool found = hold == InputHold::kLinear;
+    machine.log.hold = hold;
+    machine.added_effects.clear();
+    log.machine = machine;
+    const auto explained = ExplainReadEpisodes(log);
+    ASSERT_TRUE(explained) << explained.error().text;
+    EXPECT_EQ(explained->explanation.verdict, found ? Verdict::kNamed : Verdict::kUnknown);
+    EXPECT_EQ(explained->log.machine.log.hold, found ? InputHold::kZero : hold);
+    const auto& told = explained->log.warnings;
+    EXPECT_EQ(std::count_if(told.begin(), told.end(),
+                            [](const Told& warning) {
+                              return warning.english.find("hold = \"zero\"") != std::string::npos;
+                            }),
+              1);
+    log.machine.added_effects = {"cubic"};
+    const auto fit = FitEpisodes(log);
+    ASSERT_TRUE(fit) << fit.error().text;
+    EXPECT_EQ(fit->log.machine.log.hold, found ? InputHold::kZero : hold);
+    EXPECT_EQ(fit->left.structured, !found);
+  }
+}
+
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {
   const auto machine = ParseMachine(ExampleOfTheDocs(), "state_models.md");
   ASSERT_TRUE(machine) << machine.error().text;
