@@ -456,8 +456,25 @@ class EffectSearch {
       out_.steps.emplace_back(added, ErrorLeftOut(set.fit));
     };
     take("", out_.base);
-    for (std::size_t k = 1; k < levels_.size(); ++k)
-      take(levels_[k].front().added.back(), levels_[k].front());
+    const auto holds = [](const StateCandidate& all, const StateCandidate& some) {
+      return std::all_of(some.added.begin(), some.added.end(), [&](const std::string& id) {
+        return std::find(all.added.begin(), all.added.end(), id) != all.added.end();
+      });
+    };
+    // The best of a size may hold an effect that is not in the set found.
+    StateCandidate before;
+    for (std::size_t k = 1; k < levels_.size(); ++k) {
+      const auto on_the_way = std::find_if(
+          levels_[k].begin(), levels_[k].end(),
+          [&](const StateCandidate& set) { return holds(out_.final, set) && holds(set, before); });
+      if (on_the_way == levels_[k].end()) continue;
+      std::string added;
+      for (const std::string& id : on_the_way->added)
+        if (std::find(before.added.begin(), before.added.end(), id) == before.added.end())
+          added += (added.empty() ? "" : " + ") + id;
+      take(added, *on_the_way);
+      before = *on_the_way;
+    }
   }
 
   /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if

@@ -55,7 +55,7 @@ struct ExplainStatesOptions {
   double min_removed = 0.2;
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   /// Of that energy: what a complete explanation may leave; of n effects 1/n^2 of it.
-  double left_share = 0.02;
+  double left_share = 0.04;
   /// A set stands against a limit in doubt if it leaves less than the machine does without that limit, divided by this.
   double limit_margin = 2;
   /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
