@@ -11,13 +11,13 @@ namespace hydroscope {
 namespace {
 
 Machine Tank(const std::string& limit = "", const std::string& of_signal = "") {
-  const auto machine = ParseMachine("[signals]\nq = { column = \"q\", unit = \"1\" }\n"
-                                    "level = { column = \"level\", unit = \"V\"" +
-                                        of_signal +
-                                        " }\n[states]\nh = { ddt = \"k*q\", unit = \"V\"" + limit +
-                                        " }\n[outputs]\nlevel = \"h\"\n"
-                                        "[parameters]\nk = { start = 1, min = 0, max = 2 }\n",
-                                    "tank.toml");
+  const auto machine = ParseMachine(
+      "[signals]\nq = { column = \"q\", unit = \"1\" }\n"
+      "level = { column = \"level\", unit = \"V\"" +
+          of_signal + " }\n[states]\nh = { ddt = \"k*q\", unit = \"V\"" + limit +
+          " }\n[outputs]\nlevel = \"h\"\n"
+          "[parameters]\nk = { start = 1, min = 0, max = 2 }\n",
+      "tank.toml");
   EXPECT_TRUE(machine) << machine.error().text;
   return *machine;
 }
@@ -73,7 +73,8 @@ TEST(SensorEnds, WhatTheFileSaysStopsThereIsNone) {
 TEST(SensorEnds, WhatSettlesAtAValueIsNoEnd) {
   SampleBlock rows;
   rows.Resize(2, 1000);
-  for (std::size_t k = 0; k < rows.rows(); ++k)  // steps answered by a first-order lag, until the converter sees no change
+  for (std::size_t k = 0; k < rows.rows();
+       ++k)  // steps answered by a first-order lag, until the converter sees no change
     rows.signal[1][k] = std::round((5 - 5 * std::exp(-static_cast<double>(k % 250) / 20)) / 0.01) * 0.01;
   EXPECT_TRUE(FlagSensorEnds(Tank(), {1}, rows).empty());
 }

@@ -132,8 +132,8 @@ Told MissingLimitText(const MissingLimit& limit, const Machine& machine, bool ta
                  "wenn sein Sensor dort endet, in [outputs] dafür \"{}(..., {:.4g})\" (SI) schreiben",
                  limit.upper ? "min" : "max", limit.at)
           : Tell("write {} = {:.4g} for {} in [states] if it stops there",
-                 "wenn {2} dort aufhört, in [states] {0} = {1:.4g} dafür schreiben", limit.upper ? "max" : "min",
-                 at, limit.state);
+                 "wenn {2} dort aufhört, in [states] {0} = {1:.4g} dafür schreiben",
+                 limit.upper ? "max" : "min", at, limit.state);
   return Tell(
       "{} stays at {:.4g} {} where the model goes on (in {:.0f} % of the rows); with that limit the error is {:.2g} % of this{}: {}",
       "{} bleibt bei {:.4g} {}, wo das Modell weitergeht (in {:.0f} % der Zeilen); mit dieser Grenze beträgt der Fehler {:.2g} % "

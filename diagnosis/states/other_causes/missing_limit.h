@@ -12,12 +12,12 @@ namespace hydroscope {
 /// That it is found where it is and told of nowhere else hold diagnosis/states/other_causes/missing_limit_test.cc and
 /// `hydroscope benchmark state-machines`.
 struct MissingLimitOptions {
-  int rows = 4000;             ///< that fits with a limit are tried on
-  double least_share = 0.01;   ///< of the rows, in which the model must go beyond the end of what is read
-  double beyond = 1;           ///< standard deviations of an output's noise that it must go beyond all readings by
-  double flat = 4;             ///< ... and that its readings may then be apart ...
-  double least_flat = 0.6;     ///< ... in so many of these rows
-  double less_error = 0.7;     ///< rms error with the limit over that without, below which it is told of
+  int rows = 4000;            ///< that fits with a limit are tried on
+  double least_share = 0.01;  ///< of the rows, in which the model must go beyond the end of what is read
+  double beyond = 1;  ///< standard deviations of an output's noise that it must go beyond all readings by
+  double flat = 4;    ///< ... and that its readings may then be apart ...
+  double least_flat = 0.6;  ///< ... in so many of these rows
+  double less_error = 0.7;  ///< rms error with the limit over that without, below which it is told of
 };
 
 /// A limit that the machine file does not state: readings of an output stand at one value where the model goes on.
