@@ -116,7 +116,7 @@ TEST(StateMachines, ALongLogIsSearchedInPieces) {
 /// Healthy, with small laws that no file has and that drag or leak take a part of; overflows that are not in the file, one of them
 /// imitated by two effects together.
 TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
-  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {4411, 19}, {4411, 91}}) {
+  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {4411, 19}, {4411, 91}, {77123, 115}}) {
     StateMachinesOptions options;
     options.seed = static_cast<std::uint32_t>(seed);
     const StateMachineOutcome outcome = RunCase(number, options);
