@@ -16,6 +16,7 @@
 #include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/spread_pieces.h"
+#include "diagnosis/states/staircase.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -408,7 +409,7 @@ class EffectSearch {
 
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
-    TakeSteps();
+    out_.steps = StaircaseTo(out_.final, levels_);
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;
       TellDrift();
@@ -449,32 +450,6 @@ class EffectSearch {
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;
     for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
-  }
-
-  void TakeSteps() {
-    const auto take = [this](const std::string& added, const StateCandidate& set) {
-      out_.steps.emplace_back(added, ErrorLeftOut(set.fit));
-    };
-    take("", out_.base);
-    const auto holds = [](const StateCandidate& all, const StateCandidate& some) {
-      return std::all_of(some.added.begin(), some.added.end(), [&](const std::string& id) {
-        return std::find(all.added.begin(), all.added.end(), id) != all.added.end();
-      });
-    };
-    // The best of a size may hold an effect that is not in the set found.
-    StateCandidate before;
-    for (std::size_t k = 1; k < levels_.size(); ++k) {
-      const auto on_the_way = std::find_if(
-          levels_[k].begin(), levels_[k].end(),
-          [&](const StateCandidate& set) { return holds(out_.final, set) && holds(set, before); });
-      if (on_the_way == levels_[k].end()) continue;
-      std::string added;
-      for (const std::string& id : on_the_way->added)
-        if (std::find(before.added.begin(), before.added.end(), id) == before.added.end())
-          added += (added.empty() ? "" : " + ") + id;
-      take(added, *on_the_way);
-      before = *on_the_way;
-    }
   }
 
   /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if
