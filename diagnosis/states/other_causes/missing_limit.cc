@@ -19,7 +19,7 @@ struct Course {
   double noise = 0;
 };
 
-Course CourseOf(const StateFit& fit, std::span<const Episode> episodes, int output, double sign) {
+Course CourseToEnds(const StateFit& fit, std::span<const Episode> episodes, int output, double sign) {
   Course out;
   WhiteNoiseVariance white;
   const int signal = fit.model->outputs[static_cast<std::size_t>(output)];
@@ -96,7 +96,7 @@ std::optional<MissingLimit> FindMissingLimit(const StateFit& fit, std::span<cons
   MissingLimit found;
   for (int j = 0; j < fit.model->output.rows; ++j)
     for (const bool upper : {true, false}) {
-      auto limit = FlatEnd(CourseOf(without, few, j, upper ? 1 : -1), options);
+      auto limit = FlatEnd(CourseToEnds(without, few, j, upper ? 1 : -1), options);
       if (!limit) continue;
       const OutputSpec& output = machine.states.outputs[static_cast<std::size_t>(j)];
       limit->signal = output.signal;
