@@ -8,6 +8,7 @@
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
 #include "pipeline/raw_log.h"
+#include "pipeline/sensor_ends.h"
 
 namespace hydroscope {
 namespace {
@@ -20,6 +21,32 @@ std::vector<double> SpikeShares(const SampleBlock& rows) {
                          flags.begin(), flags.end(), [](Quality q) { return (q & quality::kSpike) != 0; })) /
                      static_cast<double>(std::max<std::size_t>(1, flags.size())));
   return shares;
+}
+
+/// What FlagSensorEnds flags counts like what the monitor does.
+void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
+                        SampleBlock& rows, EpisodeLog& out) {
+  const auto counted = [&](std::size_t signal) {
+    const auto& flags = rows.quality[signal];
+    return std::count_if(flags.begin(), flags.end(),
+                         [](Quality q) { return (q & quality::kOutOfRange) != 0; });
+  };
+  std::vector<std::int64_t> before;
+  for (std::size_t s = 0; s < machine.signals.size(); ++s) before.push_back(counted(s));
+  for (const SensorEnd& end : FlagSensorEnds(machine, outputs, rows)) {
+    const auto s = static_cast<std::size_t>(end.signal);
+    out.warnings.push_back(Tell("{}: {}", "{}: {}", log, SensorEndText(end, machine)));
+    const std::int64_t more = counted(s) - before[s];
+    before[s] += more;
+    if (more == 0) continue;
+    ChannelQuality& channel = out.pass.channels[s];
+    for (std::size_t bit = 0; bit < channel.flagged.size(); ++bit)
+      if (quality::kOutOfRange == 1u << bit) channel.flagged[bit] += more;
+    out.pass.summary.flagged[channel.name]["out_of_range"] += more;
+    const auto at = std::find(rows.signal[s].begin(), rows.signal[s].end(), end.at);
+    const double first = rows.time[static_cast<std::size_t>(at - rows.signal[s].begin())];
+    channel.first_bad = std::isnan(channel.first_bad) ? first : std::min(channel.first_bad, first);
+  }
 }
 
 /// All rows of one log with their flags.
@@ -63,8 +90,9 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
   EpisodeLog out;
   out.machine = machine;
   for (const std::string& log : logs) {
-    const auto rows = ReadRows(log, machine, out);
+    auto rows = ReadRows(log, machine, out);
     if (!rows) return tl::unexpected(rows.error());
+    LeaveOutSensorEnds(log, machine, (*model)->outputs, *rows, out);
     EpisodeCutter cutter(
         (*model)->machine, {(*model)->inputs, (*model)->outputs},
         {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},

@@ -116,7 +116,7 @@ TEST(StateMachines, ALongLogIsSearchedInPieces) {
 /// Healthy, with small laws that no file has and that drag or leak take a part of; overflows that are not in the file, one of them
 /// imitated by two effects together.
 TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
-  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {4411, 19}}) {
+  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {4411, 19}, {4411, 91}, {77123, 115}}) {
     StateMachinesOptions options;
     options.seed = static_cast<std::uint32_t>(seed);
     const StateMachineOutcome outcome = RunCase(number, options);
@@ -234,6 +234,34 @@ TEST(StateMachines, ALawThatMayBeMissingIsToldByCompareAsByExplain) {
   EXPECT_THAT(told(0.7), testing::HasSubstr("Something may be missing"));
   EXPECT_THAT(told(0.7), testing::HasSubstr("WARNING"));
   EXPECT_THAT(told(0.99), testing::HasSubstr("noise alone is left"));
+}
+
+/// Inputs are held. Straight lines are what a file that says nothing means; a spline it says itself.
+TEST(StateMachines, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
+  Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
+  EpisodeLog log;
+  log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 1000}), machine)};
+  for (const InputHold hold : {InputHold::kLinear, InputHold::kSmooth}) {
+    const bool found = hold == InputHold::kLinear;
+    machine.log.hold = hold;
+    machine.added_effects.clear();
+    log.machine = machine;
+    const auto explained = ExplainReadEpisodes(log);
+    ASSERT_TRUE(explained) << explained.error().text;
+    EXPECT_EQ(explained->explanation.verdict, found ? Verdict::kNamed : Verdict::kUnknown);
+    EXPECT_EQ(explained->log.machine.log.hold, found ? InputHold::kZero : hold);
+    const auto& told = explained->log.warnings;
+    EXPECT_EQ(std::count_if(told.begin(), told.end(),
+                            [](const Told& warning) {
+                              return warning.english.find("hold = \"zero\"") != std::string::npos;
+                            }),
+              1);
+    log.machine.added_effects = {"cubic"};
+    const auto fit = FitEpisodes(log);
+    ASSERT_TRUE(fit) << fit.error().text;
+    EXPECT_EQ(fit->log.machine.log.hold, found ? InputHold::kZero : hold);
+    EXPECT_EQ(fit->left.structured, !found);
+  }
 }
 
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {

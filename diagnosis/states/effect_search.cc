@@ -16,6 +16,7 @@
 #include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/spread_pieces.h"
+#include "diagnosis/states/staircase.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -408,7 +409,7 @@ class EffectSearch {
 
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
-    TakeSteps();
+    out_.steps = StaircaseTo(out_.final, levels_);
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;
       TellDrift();
@@ -449,15 +450,6 @@ class EffectSearch {
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;
     for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
-  }
-
-  void TakeSteps() {
-    const auto take = [this](const std::string& added, const StateCandidate& set) {
-      out_.steps.emplace_back(added, ErrorLeftOut(set.fit));
-    };
-    take("", out_.base);
-    for (std::size_t k = 1; k < levels_.size(); ++k)
-      take(levels_[k].front().added.back(), levels_[k].front());
   }
 
   /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/states/effect_search.h"
+#include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
@@ -132,6 +133,27 @@ StatesExplanation WithoutEffects(StatesExplanation found, const DoubtedLimit& li
   return found;
 }
 
+/// A limit that the machine file does not state where what was found leaves something (FindMissingLimit).
+std::optional<MissingLimit> LimitThatIsMissing(const StatesExplanation& found,
+                                               std::span<const Episode> episodes,
+                                               const ExplainStatesOptions& options) {
+  if (!found.final_left.structured && !LeavesColoured(found.final, options.white_readings))
+    return std::nullopt;
+  return FindMissingLimit(found.final.fit, episodes);
+}
+
+StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
+                                  const ExplainStatesOptions& options);
+
+/// Of the machine with a limit that its file does not state. Without it something is missing: no all-clear.
+StatesExplanation ExplainWithLimit(const MissingLimit& limit, const Machine& machine,
+                                   std::span<const Episode> episodes, const ExplainStatesOptions& options) {
+  StatesExplanation out = ExplainEpisodes(WithLimit(machine, limit), episodes, options);
+  if (out.verdict == Verdict::kAdequate) out.LeaveUnknown({});
+  out.warnings.insert(out.warnings.begin(), MissingLimitText(limit, machine, true));
+  return out;
+}
+
 StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
                                   const ExplainStatesOptions& options) {
   const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
@@ -139,6 +161,8 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   StatesExplanation out = SearchEffects(machine, tried, tried.size(), options);
   if (!out.base.fit.solved()) return out;
   if (const auto limit = LimitInDoubt(out, tried, options)) return WithoutEffects(std::move(out), *limit);
+  if (const auto limit = LimitThatIsMissing(out, tried, options))
+    return ExplainWithLimit(*limit, machine, episodes, options);
   const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
                     LeavesColoured(out.final, options.white_readings);
   const bool told = out.dynamics || (out.drift && out.drift->share >= options.drifts_share);

@@ -55,12 +55,12 @@ struct ExplainStatesOptions {
   double min_removed = 0.2;
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   /// Of that energy: what a complete explanation may leave; of n effects 1/n^2 of it.
-  double left_share = 0.02;
+  double left_share = 0.04;
   /// A set stands against a limit in doubt if it leaves less than the machine does without that limit, divided by this.
   double limit_margin = 2;
   /// Share of what a set explains that an effect too weak to be told from laws without a name may have in it: of more, no effect of
   /// the set is named.
-  double leans_share = 0.1;
+  double leans_share = 0.04;
   /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
   double dynamics_share = 0.25;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law

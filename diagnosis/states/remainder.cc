@@ -7,6 +7,10 @@
 namespace hydroscope {
 namespace {
 
+/// Of groups of pieces left out, where single pieces show less than a law: beyond it chance is no reason either, though parameters
+/// that only one group tells of may be. An effect that stands in for another law fits all groups but those that show it best.
+constexpr double kOfGroupsAlone = 0.25;
+
 /// The equation whose functions alone predict most; `equation` of each function: state, or states + output.
 std::string MostIn(const StateFit& fit, const LeftOutColumns& columns, const std::vector<int>& equation) {
   const StateModel& model = *fit.model;
@@ -38,7 +42,9 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
     columns.Add(fit, e, TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]}));
   StateRemainder out = columns.Remainder(fit, options);
   out.structured = out.p_value <= options.max_p && out.least_share >= options.min_share;
-  out.doubtful = !out.structured && out.p_value <= options.doubt_p && out.least_share >= options.doubt_share;
+  out.doubtful =
+      !out.structured && ((out.p_value <= options.doubt_p && out.least_share >= options.doubt_share) ||
+                          (out.p_value <= options.max_p && out.share >= kOfGroupsAlone));
   if (out.structured || out.doubtful) out.about = MostIn(fit, columns, equation);
   return out;
 }

@@ -17,13 +17,15 @@ Told MoreIsMissing(const StateRemainder& left, double unexplained) {
 }
 
 Told MayBeMissing(const StateRemainder& left) {
+  const double share =
+      left.least_share >= StateRemainderOptions().doubt_share ? left.least_share : left.share;
   return Tell(
       "what is left is no white noise, and functions of {} predict {:.0f} % of it, as chance does in {:.0f} of a hundred logs: "
       "a law may be missing that this log shows too seldom, or noise acts on the process itself. Record for longer",
       "was bleibt, ist kein weißes Rauschen, und Funktionen von {} sagen {:.0f} % davon voraus, wie der Zufall in {:.0f} von "
       "hundert Aufzeichnungen: es kann ein Gesetz fehlen, das diese Aufzeichnung zu selten zeigt, oder Rauschen wirkt auf den "
       "Prozess selbst. Länger aufzeichnen",
-      left.about, 100 * left.least_share, 100 * left.p_value);
+      left.about, 100 * share, 100 * left.p_value);
 }
 
 Told MoreIsSlow(double share) {

@@ -84,6 +84,15 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   return warnings;
 }
 
+/// Straight lines are what a file that says nothing means: where inputs clearly move in another way, that is taken.
+bool IsDefault(InputHold hold) { return hold == LogFormat().hold; }
+
+EpisodeLog WithHold(EpisodeLog log, const OtherHold& taken) {
+  log.machine.log.hold = taken.hold;
+  log.warnings.push_back(TakenHoldText(taken));
+  return log;
+}
+
 }  // namespace
 
 bool HasStates(const std::string& machine_file) {
@@ -142,7 +151,10 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.error = ErrorOf(out.fit, out.left);
   if (out.left.structured || out.slow()) {
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
+    out.missing_limit = FindMissingLimit(out.fit, log.episodes);
     out.other_hold = FindOtherHold(out.fit, log.episodes);
+    if (out.other_hold && IsDefault(log.machine.log.hold))
+      return FitEpisodes(WithHold(std::move(log), *out.other_hold));
   }
   out.drift = FindParameterDrift(out.fit, out.left);
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
@@ -203,24 +215,35 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   if (!machine) return tl::unexpected(machine.error());
   auto log = ReadEpisodes(logs, *machine);
   if (!log) return tl::unexpected(log.error());
+  auto out = ExplainReadEpisodes(std::move(*log));
+  if (out) out->target = "--machine " + machine_file;
+  return out;
+}
+
+Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
+  const std::vector<Told> read = log.warnings;
   StatesExplained out;
-  out.target = "--machine " + machine_file;
-  const LinearStart start = StartOf(*machine, log->episodes);
+  const LinearStart start = StartOf(log.machine, log.episodes);
   ExplainStatesOptions options;
   options.fit = start.options;
-  out.explanation = ExplainStates(start.machine, log->episodes, options);
+  out.explanation = ExplainStates(start.machine, log.episodes, options);
   if (out.explanation.base.fit.solved())
-    for (Told& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
-      log->warnings.push_back(std::move(warning));
-  out.log = std::move(*log);
+    for (Told& warning : InitialWarnings(out.explanation.base.fit, log.episodes))
+      log.warnings.push_back(std::move(warning));
+  out.log = std::move(log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved())
-    return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", machine->name, x.base.fit.failed));
+    return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", out.log.machine.name, x.base.fit.failed));
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   if (x.verdict == Verdict::kUnknown || x.partial)
-    if (const auto other = FindOtherHold(x.final.fit, fitted))
+    if (const auto other = FindOtherHold(x.final.fit, fitted)) {
+      if (IsDefault(out.log.machine.log.hold)) {
+        out.log.warnings = read;
+        return ExplainReadEpisodes(WithHold(std::move(out.log), *other));
+      }
       out.log.warnings.push_back(OtherHoldText(*other));
+    }
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);

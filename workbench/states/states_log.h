@@ -10,6 +10,7 @@
 #include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/other_causes/input_hold.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
+#include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/parameter_drift.h"
 #include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/state_experiment.h"
@@ -66,6 +67,7 @@ struct StatesFit {
   StateRemainder left;
   std::optional<OtherHold> other_hold;
   std::optional<DoubtedLimit> doubted_limit;
+  std::optional<MissingLimit> missing_limit;
   std::optional<ParameterDrift> drift;  ///< over the log
   std::optional<double> dynamics;       ///< FindMissingDynamics
   StatesError error;
@@ -111,6 +113,8 @@ struct StatesExplained {
 };
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);
+/// The same on episodes that were read.
+Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log);
 
 /// What a model achieves, for its history.
 ModelRecord RecordOf(const StatesFit& fit, const std::string& source);

@@ -91,6 +91,7 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
         "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
         100 * fit.left.least_share, fit.left.about));
   if (fit.doubted_limit) warnings.push_back(DoubtedLimitText(*fit.doubted_limit));
+  if (fit.missing_limit) warnings.push_back(MissingLimitText(*fit.missing_limit, fit.log.machine, false));
   if (fit.dynamics) warnings.push_back(MissingDynamicsText(*fit.dynamics));
   if (fit.drift) warnings.push_back(ParameterDriftText(*fit.drift));
   if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));

@@ -53,4 +53,14 @@ Told OtherHoldText(const OtherHold& other) {
       kInputHoldNames[static_cast<std::size_t>(other.hold)], 100 * other.error);
 }
 
+Told TakenHoldText(const OtherHold& taken) {
+  const std::string_view name = kInputHoldNames[static_cast<std::size_t>(taken.hold)];
+  return Tell(
+      "hold = \"{0}\" in [log] leaves {1:.0f} % of the error that inputs on straight lines between rows leave, and is taken; "
+      "write it into the machine file",
+      "hold = \"{0}\" in [log] lässt {1:.0f} % des Fehlers übrig, den gerade Linien der Eingänge zwischen den Zeilen lassen, und "
+      "wird genommen; es in die Maschinendatei schreiben",
+      name, 100 * taken.error);
+}
+
 }  // namespace hydroscope

@@ -31,5 +31,7 @@ std::optional<OtherHold> FindOtherHold(const StateFit& fit, std::span<const Epis
 
 /// A sentence that says so.
 Told OtherHoldText(const OtherHold& other);
+/// The same where the other way was taken.
+Told TakenHoldText(const OtherHold& taken);
 
 }  // namespace hydroscope

@@ -1,0 +1,114 @@
+#include "pipeline/sensor_ends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "models/output_unit.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kLeastPiled = 10;  ///< readings exactly at the end
+/// Of so many readings at any other value none piles up; a coarse converter repeats all of its steps.
+constexpr std::size_t kOverAnyOther = 4;
+/// What only reaches a value swings back: few readings lie as near to an end that cuts a signal off as it moves from row to row.
+constexpr double kShareAtEnd = 0.5;
+/// What settles at a value comes to it gently, what is cut off at its own pace: of that the last two steps together.
+constexpr double kPaceAtEnd = 0.5;
+
+double MiddleStep(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Distance between readings that follow each other, of those that differ.
+double StepOfARow(const std::vector<double>& x) {
+  std::vector<double> steps;
+  for (std::size_t row = 1; row < x.size(); ++row)
+    if (const double step = std::abs(x[row] - x[row - 1]); step > 0) steps.push_back(step);
+  return MiddleStep(std::move(steps));
+}
+
+/// The last two steps before a run of readings at `end`.
+double StepsInto(const std::vector<double>& x, double end) {
+  std::vector<double> steps;
+  for (std::size_t row = 2; row < x.size(); ++row)
+    if (x[row] == end && x[row - 1] != end && std::isfinite(x[row - 1]))
+      steps.push_back(std::abs(x[row] - x[row - 1]) +
+                      (std::isfinite(x[row - 2]) ? std::abs(x[row - 1] - x[row - 2]) : 0));
+  return MiddleStep(std::move(steps));
+}
+
+/// `sign` -1: the lower end.
+std::optional<SensorEnd> EndOf(const std::vector<double>& x, double sign) {
+  std::map<double, std::size_t> counts;
+  for (const double reading : x)
+    if (std::isfinite(reading)) ++counts[sign * reading];
+  if (counts.size() < 3) return std::nullopt;
+  const auto [end, at] = *counts.rbegin();
+  if (end == 0 || at < kLeastPiled) return std::nullopt;
+  // The other end may be one as well.
+  const std::size_t other =
+      std::max_element(std::next(counts.begin()), std::prev(counts.end()), [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      })->second;
+  if (at < kOverAnyOther * other) return std::nullopt;
+  const double step = StepOfARow(x);
+  if (StepsInto(x, sign * end) < kPaceAtEnd * step) return std::nullopt;
+  std::size_t before = 0;
+  for (auto near = counts.lower_bound(end - step); near != counts.end(); ++near) before += near->second;
+  before -= at;
+  if (static_cast<double>(at) < kShareAtEnd * static_cast<double>(at + before)) return std::nullopt;
+  return SensorEnd{.upper = sign > 0, .at = sign * end, .rows = at};
+}
+
+/// Whether the machine file says that something stops there.
+bool IsStated(const Machine& machine, double at) {
+  const auto says = [at](const std::string& limit) {
+    char* rest = nullptr;
+    const double value = std::strtod(limit.c_str(), &rest);
+    return !limit.empty() && *rest == '\0' && std::abs(value - at) <= 1e-6 * std::abs(at);
+  };
+  return std::any_of(machine.states.states.begin(), machine.states.states.end(),
+                     [&](const StateSpec& state) { return says(state.min) || says(state.max); });
+}
+
+}  // namespace
+
+std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<int>& signals,
+                                      SampleBlock& rows) {
+  std::vector<SensorEnd> found;
+  for (const int signal : signals) {
+    const auto s = static_cast<std::size_t>(signal);
+    if (machine.signals[s].stuck_time == 0) continue;
+    const std::vector<double>& x = rows.signal[s];
+    for (const double sign : {1.0, -1.0}) {
+      std::optional<SensorEnd> end = EndOf(x, sign);
+      if (!end || IsStated(machine, end->at)) continue;
+      end->signal = signal;
+      for (std::size_t row = 0; row < x.size(); ++row)
+        if (x[row] == end->at) rows.quality[s][row] |= quality::kOutOfRange;
+      found.push_back(*end);
+    }
+  }
+  return found;
+}
+
+Told SensorEndText(const SensorEnd& end, const Machine& machine) {
+  const std::string& signal = machine.signals[static_cast<std::size_t>(end.signal)].name;
+  const DisplayUnit unit = ShownUnit(machine, signal);
+  return Tell(
+      "{} stands at its {} reading, {:.4g} {}, in {} rows: its sensor or converter ends there, and these readings are left out; "
+      "if what it measures stops there, say so by {} of a state, or by stuck_time = 0 of the signal",
+      "{0} steht in {4} Zeilen auf dem {1} Messwert, {2:.4g} {3}: sein Sensor oder Wandler endet dort, und diese Messwerte bleiben "
+      "weg; wenn dort aufhört, was er misst, es durch {5} eines Zustands oder stuck_time = 0 des Signals sagen",
+      signal, end.upper ? Wording("highest", "höchsten") : Wording("lowest", "niedrigsten"),
+      end.at * unit.factor + unit.offset, std::string(unit.name), end.rows, end.upper ? "max" : "min");
+}
+
+}  // namespace hydroscope
