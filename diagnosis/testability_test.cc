@@ -29,9 +29,10 @@ std::map<std::string, Told> UntestableAt(double warming) {
 
 TEST(Testability, LawsOfTheOilTemperatureNeedOilThatWarms) {
   const auto cold = UntestableAt(1.0);
-  ASSERT_EQ(cold.size(), 3u);
+  ASSERT_EQ(cold.size(), 6u);
   EXPECT_THAT(cold.at("oil_viscosity").english, HasSubstr("the oil changed by 1.0 K, it needs 2.0 K"));
   EXPECT_THAT(cold.at("pressure_gain_temperature").english, HasSubstr("it needs 2.0 K"));
+  EXPECT_THAT(cold.at("spool_null_temperature").english, HasSubstr("it needs 2.0 K"));
   EXPECT_THAT(cold.at("leakage_temperature").english, HasSubstr("it needs 3.0 K"));
   EXPECT_EQ(UntestableAt(2.5).size(), 1u);
   EXPECT_TRUE(UntestableAt(10).empty());

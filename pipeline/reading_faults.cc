@@ -28,7 +28,7 @@ constexpr double kLeftOfEcho = 1e-8;
 
 int BinOf(double step, int bins) {
   if (!(step > 0)) return 0;
-  return std::clamp(static_cast<int>(kBinsPerOctave * (std::log2(step) - kLeastExponent)), 0, bins - 1);
+  return static_cast<int>(std::clamp(kBinsPerOctave * (std::log2(step) - kLeastExponent), 0.0, bins - 1.0));
 }
 double SizeOfBin(int bin) { return std::exp2(bin / kBinsPerOctave + kLeastExponent); }
 

@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr int kTanksRows = 1000, kTanksSubsteps = 40;
+constexpr int kTanksRows = 600, kTanksSubsteps = 40;
 constexpr double kTanksPeriod = 4;  // s
 
 Machine TwoTanks() {
