@@ -48,6 +48,8 @@ std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
 
 EffectUnit EstimateUnit(const Machine& machine, const Estimate& e) {
   const MachineParameter* known = FindParameter(KindOf(machine), e.parameter);
+  // A rate constant is no drift, of which EffectUnitFor would tell per cent a minute.
+  if (e.unit == "1/s" && (known == nullptr || known->shown.empty())) return {1, "1/s"};
   if (known == nullptr || known->shown.empty()) return EffectUnitFor(e.unit);
   return {known->factor, std::string(known->shown)};
 }
