@@ -39,8 +39,7 @@ struct ExplainOptions {
   double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
   /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
-  /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this effects of the tests
-  /// are missed.
+  /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this tests miss effects.
   double trifle = 0.0005;
   /// Gain another law may still make on an explanation that claims to be complete.
   double max_remainder = 40.0;

@@ -34,13 +34,13 @@ bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
 }
 
 const Told& Advice(const drift::DriftFinding& finding) {
-  return finding.advice.empty() ? finding.guidance : finding.advice;
+  return finding.compared.advice.empty() ? finding.guidance : finding.compared.advice;
 }
 
 }  // namespace
 
 AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
-  const Told compared = finding.explanation.empty() ? Told{} : Tell(" {}", " {}", finding.explanation);
+  const Told compared = finding.compared.text.empty() ? Told{} : Tell(" {}", " {}", finding.compared.text);
   return {NameText(finding),
           Tell("{}: {}.{}", "{}: {}.{}", SinceText(finding, counted), SizesText(finding), compared),
           Advice(finding)};
@@ -48,9 +48,9 @@ AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& c
 
 std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
   std::string text = drift::FindingText(finding, counted) + ". ";
-  if (!finding.explanation.empty()) text += finding.explanation.english + " ";
-  if (finding.cause.kind != CauseKind::kNotSought)
-    text += fmt::format("Cause: {}. ", CauseText(finding.cause));
+  if (!finding.compared.text.empty()) text += finding.compared.text.english + " ";
+  if (finding.compared.cause.kind != CauseKind::kNotSought)
+    text += fmt::format("Cause: {}. ", CauseText(finding.compared.cause));
   return text + Advice(finding).english;
 }
 
@@ -100,7 +100,7 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              AlarmTextOf(finding, counted),
                              finding.since.last_before + 1,
                              finding.last,
-                             finding.cause,
+                             finding.compared.cause,
                              WordsOf(finding, counted)};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
     condition.quantities = QuantitiesOf(finding);

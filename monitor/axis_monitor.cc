@@ -213,7 +213,8 @@ Status AxisMonitor::JudgeStrokes(double wall) {
 
 /// Whether a finding has as many strokes behind it as its next explanation waits for.
 bool AxisMonitor::ExplanationIsDue(const drift::DriftFinding& finding) const {
-  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.settled) return false;
+  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.compared.settled)
+    return false;
   if (!SpeaksForItsAlarm(finding, monitor_->findings())) return false;
   const std::int64_t strokes = next_ - FirstChanged(finding);
   return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
@@ -479,7 +480,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       event.last_stroke = next_ - 1;
       AlarmState& alarm = axis.Alarm(event.alarm);
       drift::DriftFinding explained = finding;
-      explained.Take(explanation);
+      explained.compared = explanation;
       const drift::CountedIn counted = drift::CountedInOf(KindOf(machine_));
       alarm.text = AlarmTextOf(explained, counted);
       alarm.words = WordsOf(explained, counted);

@@ -115,14 +115,14 @@ TEST_F(DriftMonitorTest, BesideAChangeThatTheModelDoesNotDescribeNothingIsSure) 
   for (int k = 0; k < 100; ++k) Add({{"y_0", 0.02}, {"internal_leakage", 5e-12}});
   const DriftFinding* leak = Found("internal_leakage");
   ASSERT_NE(leak, nullptr);
-  EXPECT_FALSE(leak->described);
+  EXPECT_FALSE(leak->described());
   ByteWriter saved;
   monitor_->Save(saved);
   const std::vector<std::uint8_t> bytes = saved.Take();
   ByteReader in(bytes);
   const auto restored = DriftMonitor::Restored(monitor_->model(), DefaultRules(), in);
   ASSERT_TRUE(restored.has_value());
-  for (const DriftFinding& finding : restored->findings()) EXPECT_FALSE(finding.described);
+  for (const DriftFinding& finding : restored->findings()) EXPECT_FALSE(finding.described());
 }
 
 TEST_F(DriftMonitorTest, ALeakageCannotBecomeLessThanNone) {

@@ -28,11 +28,11 @@ TEST_F(PressMonitorTest, ALeakOfOneAxisIsItsAlarmWithTheStrokesAndTheExplanation
   const drift::DriftFinding& finding = press->axis(0).monitor()->findings().front();
   EXPECT_NEAR(static_cast<double>(finding.since.last_before + 1), static_cast<double>(Healthy().size()), 10);
   EXPECT_NEAR(finding.parts.front().size, 3e-12, 0.6e-12);
-  EXPECT_THAT(finding.explanation.english, testing::ContainsRegex(kInternalLeakageAppeared));
-  EXPECT_THAT(finding.explanation.english, HasSubstr("error on strokes left out"));
+  EXPECT_THAT(finding.compared.text.english, testing::ContainsRegex(kInternalLeakageAppeared));
+  EXPECT_THAT(finding.compared.text.english, HasSubstr("error on strokes left out"));
   for (const AlarmState& alarm : press->axis(0).alarms())
     if (alarm.id == "internal_leakage") {
-      EXPECT_THAT(alarm.text, HasSubstr(finding.explanation.english));
+      EXPECT_THAT(alarm.text, HasSubstr(finding.compared.text.english));
     }
 }
 

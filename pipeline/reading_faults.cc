@@ -26,11 +26,13 @@ constexpr std::int64_t kRowsToCompare = 1000;
 /// Of the variance: what is left of an echo is rounding.
 constexpr double kLeftOfEcho = 1e-8;
 
-int BinOf(double step, int bins) {
-  if (!(step > 0)) return 0;
-  return static_cast<int>(std::clamp(kBinsPerOctave * (std::log2(step) - kLeastExponent), 0.0, bins - 1.0));
+std::size_t BinOf(double step, std::size_t bins) {
+  const double bin = kBinsPerOctave * (std::log2(step) - kLeastExponent);
+  return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(bins - 1)));
 }
-double SizeOfBin(int bin) { return std::exp2(bin / kBinsPerOctave + kLeastExponent); }
+double SizeOfBin(std::size_t bin) {
+  return std::exp2(static_cast<double>(bin) / kBinsPerOctave + kLeastExponent);
+}
 
 }  // namespace
 
@@ -73,10 +75,10 @@ void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQ
 /// Judges the step before the last by those on either side of it.
 void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
   const double step = value - track.value, last = std::abs(track.step);
-  if (track.readings >= 1 && step != 0) ++track.all[static_cast<std::size_t>(BinOf(std::abs(step), kBins))];
+  if (track.readings >= 1 && step != 0) ++track.all[BinOf(std::abs(step), kBins)];
   if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) &&
       last > kSharp * std::abs(track.before)) {
-    const auto bin = static_cast<std::size_t>(BinOf(last, kBins));
+    const std::size_t bin = BinOf(last, kBins);
     if (track.sharp[bin]++ == 0) track.first[bin] = track.time;
   }
   track.before = track.step;
@@ -94,12 +96,12 @@ ReadingFaults::Jumps ReadingFaults::JumpsOf(const Track& track) {
     if (static_cast<double>(below) >= kMost * static_cast<double>(steps)) break;
   }
   Jumps jumps;
-  const double most = kSharp * SizeOfBin(static_cast<int>(bin) + 1);
+  const double most = kSharp * SizeOfBin(bin + 1);
   for (; bin < kBins; ++bin) {
-    if (SizeOfBin(static_cast<int>(bin)) < most || track.sharp[bin] == 0) continue;
+    if (SizeOfBin(bin) < most || track.sharp[bin] == 0) continue;
     if (jumps.count == 0 || track.first[bin] < jumps.first) jumps.first = track.first[bin];
     jumps.count += track.sharp[bin];
-    jumps.size = SizeOfBin(static_cast<int>(bin));
+    jumps.size = SizeOfBin(bin);
   }
   return jumps;
 }
@@ -119,8 +121,7 @@ Told ReadingFaults::NoVerdict() const {
     const Unit unit = FindUnit(spec.unit).value_or(Unit{});
     return Tell(
         "signal {} (column {}) jumps {} times from one row to the next, by some {:.2g} {}, first at {:.4g} s, and stays there, "
-        "which no such machine does: a counter that overflows or loses steps. Record its full count, or mend the reading in the "
-        "controller",
+        "which no such machine does: a counter that overflows or loses steps. Record its full count, or mend the reading",
         "Signal {} (Spalte {}) springt {}-mal von einer Zeile zur nächsten, um etwa {:.2g} {}, zuerst bei {:.4g} s, und bleibt "
         "dort, was keine solche Maschine tut: ein Zähler, der überläuft oder Schritte verliert. Den ganzen Zählerstand "
         "aufzeichnen oder die Anzeige in der Steuerung berichtigen",

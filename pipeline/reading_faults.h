@@ -35,7 +35,7 @@ class ReadingFaults {
   std::vector<Echo> Echoes() const;
 
  private:
-  static constexpr int kBins = 256;  ///< of the binary logarithm of a step
+  static constexpr std::size_t kBins = 256;  ///< of the binary logarithm of a step
   struct Track {
     std::size_t signal = 0;
     double value = 0, time = 0;                      ///< SI, s: of the last good reading

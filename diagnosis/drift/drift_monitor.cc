@@ -53,15 +53,6 @@ Told JudgementTold(JudgementReason reason) {
   return {};
 }
 
-void DriftFinding::Take(const FindingExplanation& comparison) {
-  explanation = comparison.text;
-  settled = comparison.settled;
-  described = comparison.described;
-  cause = comparison.cause;
-  cause_title = comparison.cause_title;
-  advice = comparison.advice;
-}
-
 DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference)
     : model_(std::move(model)), rules_(&rules), reference_(std::move(reference)) {
   const int n = model_.size();
@@ -121,8 +112,7 @@ void DriftMonitor::TakeExplanation(std::int64_t number, const FindingExplanation
                                    std::int64_t strokes) {
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
-    f.Take(explanation);
-    f.described = f.described && IsDescribed(f);
+    f.compared = explanation;
     f.explained = strokes;
   }
 }
@@ -257,11 +247,10 @@ bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
   return rules_->Match(movements) != nullptr;
 }
 
-/// No other finding stands that the model does not describe, or describes with a further effect only.
-bool DriftMonitor::IsDescribed(const DriftFinding& finding) const {
-  return std::none_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
-    return f.number < finding.number && f.state != FindingState::kGone &&
-           (!f.described || !f.cause_title.empty());
+bool DriftMonitor::StandsBesideAnother(const DriftFinding& finding) const {
+  return std::any_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
+    return f.number != finding.number && f.state != FindingState::kGone &&
+           (!f.described() || !f.compared.cause_title.empty());
   });
 }
 
@@ -269,7 +258,7 @@ bool DriftMonitor::IsDescribed(const DriftFinding& finding) const {
 /// all of it together: what corrects their size is no movement the other way.
 void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
                         const Eigen::VectorXd& doubt) {
-  finding.described = IsDescribed(finding);
+  finding.beside_another = StandsBesideAnother(finding);
   std::map<std::string, int> movements;
   finding.parts.clear();
   finding.alarm = false;

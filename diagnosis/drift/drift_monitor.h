@@ -60,11 +60,12 @@ enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
 
 /// What comparing the strokes before and after a change says of it.
 struct FindingExplanation {
-  Told text;                           ///< one or two sentences
-  bool settled = false;                ///< named or adequate: more strokes would say the same
-  bool described = true;               ///< DriftFinding::described
-  AlarmCause cause = {};               ///< not sought if the strokes could not be compared
-  Told cause_title = {}, advice = {};  ///< DriftFinding::cause_title, advice
+  Told text;              ///< one or two sentences
+  bool settled = false;   ///< it names the cause, or names none: more strokes would say the same
+  bool described = true;  ///< false: an error is left that no effect explains
+  AlarmCause cause = {};  ///< as far as the comparison carries it; not sought if it was not done
+  /// Of a cause that it names and the finding's rule is not about: what it is called, and what to look for in place of `guidance`.
+  Told cause_title = {}, advice = {};
 };
 
 /// Something changed at the machine: what, since when, by how much, and what it means.
@@ -82,17 +83,13 @@ struct DriftFinding {
   std::vector<std::string> rivals;  ///< quantities that would explain the same
   bool alarm = false;               ///< one part is beyond its alarm change
   int quiet = 0;                    ///< strokes it has been small for
-  Told explanation;                 ///< what comparing strokes before and after said; "" before that was done
-  std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
-  bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
-  AlarmCause cause;                 ///< as far as that comparison carries it
-  /// Of a cause that it names and the rule is not about: what it is called, and what to look for in place of `guidance`.
-  Told cause_title = {}, advice = {};
-  /// false: what the model cannot describe is left of the change or of one that stands beside it, so that its quantities are read
-  /// off a model that does not hold.
-  bool described = true;
+  FindingExplanation compared;      ///< of the strokes before and after; its text is "" before that was done
+  std::int64_t explained = 0;       ///< strokes since the change that this rests on
+  /// One was open when this was named that the model does not describe, or with a further effect only.
+  bool beside_another = false;
 
-  void Take(const FindingExplanation& comparison);
+  /// Its quantities are read off a model that holds.
+  bool described() const { return compared.described && !beside_another; }
 };
 
 /// What the numbers of a finding count: one, and several.
@@ -107,9 +104,9 @@ CountedIn ValveChecksCounted();
 Told SinceText(const DriftFinding& finding, const CountedIn& counted = {});
 /// What changed, "Oil column softer"; of a change that the model does not describe, what comes nearest.
 Told NameText(const DriftFinding& finding);
-/// "K -10.0 +- 0.6 % (12000 -> 10800 bar); would explain as much: V0".
+/// "K -10.00 +- 0.60 % (12000 -> 10800 bar); would explain as much: V0".
 Told SizesText(const DriftFinding& finding);
-/// All of it in one sentence: "since stroke 48210: Oil column softer; K -10.0 +- 0.6 % (12000 -> 10800 bar)".
+/// All of it in one sentence: "since stroke 48210: Oil column softer; K -10.00 +- 0.60 % (12000 -> 10800 bar)".
 std::string FindingText(const DriftFinding& finding, const CountedIn& counted = {});
 
 /// Slow drift of one quantity towards a limit.
@@ -157,7 +154,7 @@ class DriftMonitor {
   void Explain(const Deviation& deviation, double oil_temperature);
   void Follow(const Deviation& deviation, const StrokeEvidence& stroke);
   void Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt);
-  bool IsDescribed(const DriftFinding& finding) const;
+  bool StandsBesideAnother(const DriftFinding& finding) const;
   bool NamedByRule(const std::vector<Moved>& moved) const;
   void Restart(std::int64_t sequence);
   std::vector<int> ExplainedQuantities() const;

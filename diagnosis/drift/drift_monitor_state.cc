@@ -11,7 +11,8 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.number);
   out.Put(f.state);
   PutText(out, f.rule);
-  for (const Told* told : {&f.name, &f.guidance, &f.explanation, &f.cause_title, &f.advice}) {
+  for (const Told* told :
+       {&f.name, &f.guidance, &f.compared.text, &f.compared.cause_title, &f.compared.advice}) {
     PutText(out, told->english);
     PutText(out, told->german);
   }
@@ -23,8 +24,9 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.alarm);
   out.Put(f.quiet);
   out.Put(f.explained);
-  out.Put(f.settled);
-  out.Put(f.described);
+  out.Put(f.compared.settled);
+  out.Put(f.compared.described);
+  out.Put(f.beside_another);
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.parts.size()));
   for (const FindingPart& part : f.parts) {
     PutText(out, part.quantity);
@@ -34,9 +36,9 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   }
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.rivals.size()));
   for (const std::string& rival : f.rivals) PutText(out, rival);
-  out.Put(f.cause.kind);
-  out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.cause.effects.size()));
-  for (const std::string& effect : f.cause.effects) PutText(out, effect);
+  out.Put(f.compared.cause.kind);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.compared.cause.effects.size()));
+  for (const std::string& effect : f.compared.cause.effects) PutText(out, effect);
 }
 
 DriftFinding GetFinding(ByteReader& in) {
@@ -44,7 +46,7 @@ DriftFinding GetFinding(ByteReader& in) {
   f.number = in.Get<std::int64_t>();
   f.state = in.Get<FindingState>();
   f.rule = GetText(in);
-  for (Told* told : {&f.name, &f.guidance, &f.explanation, &f.cause_title, &f.advice}) {
+  for (Told* told : {&f.name, &f.guidance, &f.compared.text, &f.compared.cause_title, &f.compared.advice}) {
     told->english = GetText(in);
     told->german = GetText(in);
   }
@@ -56,8 +58,9 @@ DriftFinding GetFinding(ByteReader& in) {
   f.alarm = in.Get<bool>();
   f.quiet = in.Get<int>();
   f.explained = in.Get<std::int64_t>();
-  f.settled = in.Get<bool>();
-  f.described = in.Get<bool>();
+  f.compared.settled = in.Get<bool>();
+  f.compared.described = in.Get<bool>();
+  f.beside_another = in.Get<bool>();
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
     FindingPart part;
     part.quantity = GetText(in);
@@ -67,9 +70,9 @@ DriftFinding GetFinding(ByteReader& in) {
     f.parts.push_back(std::move(part));
   }
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) f.rivals.push_back(GetText(in));
-  f.cause.kind = in.Get<CauseKind>();
+  f.compared.cause.kind = in.Get<CauseKind>();
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left)
-    f.cause.effects.push_back(GetText(in));
+    f.compared.cause.effects.push_back(GetText(in));
   return f;
 }
 

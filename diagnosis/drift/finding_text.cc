@@ -6,6 +6,7 @@
 
 #include "core/constants.h"
 #include "core/effect_units.h"
+#include "core/interval_text.h"
 #include "core/relative_change.h"
 #include "core/unit_told.h"
 #include "core/units.h"
@@ -15,11 +16,9 @@
 namespace hydroscope::drift {
 namespace {
 
-/// "-1.5 ± 0.4 %", with more decimals where the interval asks for them.
+/// "-1.50 ± 0.40 %"
 std::string PercentText(double share, double half_width) {
-  const double asked = std::ceil(-std::log10(100 * half_width));
-  const int decimals = asked > 1 ? static_cast<int>(std::min(asked, 3.0)) : 1;
-  return fmt::format("{:+.{}f} ± {:.{}f} %", 100 * share, decimals, 100 * half_width, decimals);
+  return fmt::format("{}{} %", share > 0 ? "+" : "", WithInterval(100 * share, 100 * half_width));
 }
 
 Told PartText(const FindingPart& part) {
@@ -66,8 +65,8 @@ Told SinceText(const DriftFinding& finding, const CountedIn& counted) {
 }
 
 Told NameText(const DriftFinding& finding) {
-  if (!finding.cause_title.empty()) return finding.cause_title;
-  if (!finding.described && !finding.rule.empty())
+  if (!finding.compared.cause_title.empty()) return finding.compared.cause_title;
+  if (!finding.described() && !finding.rule.empty())
     return Tell("Change that the model does not describe; nearest: {}",
                 "Änderung, die das Modell nicht beschreibt; am nächsten kommt: {}", finding.name);
   if (!finding.name.empty()) return finding.name;

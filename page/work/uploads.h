@@ -20,8 +20,7 @@ class Uploads {
   /// Makes the folder. It has to outlive what is kept. `most`: bytes of all files together.
   explicit Uploads(std::string folder, std::int64_t most = kMostTogether);
 
-  /// Whether there is room for one of this size beside what is kept and what is on its way. Errors: it is too much together, or for
-  /// the disk.
+  /// Whether there is room for one of this size beside what is kept and what is on its way. Errors: too much together, a full disk.
   Status MayTake(std::int64_t bytes) const;
 
   /// Where the next one is to be written to. It belongs to who writes it until it is kept.

@@ -7,8 +7,7 @@
 namespace hydroscope::effects {
 
 /// What a reading of the pressure in chamber A that is too high by size x error does to the columns of the base balance, per
-/// size. `error(channels...)` is that per unit size; the flow root, which is not linear in it, is differenced over `unit` of
-/// the size.
+/// size. `error(channels...)` is that per unit size; the flow root is not linear in it and is differenced over `unit`.
 template <int... kChannels, typename Error>
 EffectVariant MisreadPressure(double unit, Error error) {
   const auto shift = [unit](double root, double y, double off) {

@@ -9,7 +9,7 @@ Effect PressureCrosstalk(const CushionGeometry&) {
   e.id = "pressure_crosstalk";
   e.title = "Crosstalk of the valve on the pressure reading of chamber A";
   e.law = "p_A = p_measured - c y_v";
-  e.source = "Ott 2009, sec. 2.6 and 3.1 (inductive coupling, common impedance)";
+  e.source = "Ott 2009, Electromagnetic Compatibility Engineering, ch. 2 and 3 (cabling, grounding)";
   e.parameter = "c";
   e.unit = "Pa";
   e.min = -20e5;

@@ -16,7 +16,7 @@ Effect SpoolNullTemperature(const CushionGeometry&) {
   e.id = "spool_null_temperature";
   e.title = "Null of the spool follows the temperature";
   e.law = "y_0(T) = y_0 + r (T_oil - 40 degC)";
-  e.source = "Merritt 1967, sec. 7-6 (null shift with temperature)";
+  e.source = "Merritt 1967, ch. 7 (servo valves)";
   e.parameter = "r";
   e.unit = "1/K";
   e.min = -0.005;
