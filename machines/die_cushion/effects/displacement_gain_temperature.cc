@@ -39,7 +39,7 @@ Effect DisplacementGainTemperature(const CushionGeometry&) {
       "a gauge block at the position sensor and the full travel of the spool, with cold and with warm oil: strokes alone take it "
       "for a flow that goes with the oil";
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastScaleWarming, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastScaleWarming);
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = IntegralOverTime<kFlowRoot, kSpool, kOilTemperature>(

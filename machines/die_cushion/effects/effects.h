@@ -59,6 +59,11 @@
 
 namespace hydroscope::effects {
 
+/// What laws of the oil's temperature need: strokes over which it warms by so many K.
+inline Effect::LeastSpan OilWarmsBy(double kelvin) {
+  return {kOilTemperature, kelvin, {"the oil", "das Öl"}, "K"};
+}
+
 /// Polytropic exponent of a gas that nobody has measured: isothermal 1.0 to adiabatic 1.4, all alike likely.
 inline constexpr double kPolytropic = 1.2, kPolytropicStd = 0.115;
 

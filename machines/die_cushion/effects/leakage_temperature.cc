@@ -33,7 +33,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
               "Druck halten bei stehendem Stößel, einmal mit kaltem und einmal mit warmem Öl"};
   e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
   e.channels = {kPressureB, kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastOilSpan);
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant(IntegralOverTime<kPressureA, kPressureB, kOilTemperature>(
         [beta = nonlinear[0]](double a, double b, double t) {

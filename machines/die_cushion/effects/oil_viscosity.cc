@@ -43,7 +43,7 @@ Effect OilViscosity(const CushionGeometry&) {
   e.shown_by = {"strokes with cold and with warm oil, 15 K or more apart",
                 "Hübe mit kaltem und mit warmem Öl, 15 K oder mehr auseinander"};
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastWarming);
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = IntegralOverTime<kFlowRoot, kSpool, kOilTemperature>(

@@ -37,7 +37,7 @@ Effect PressureGainTemperature(const CushionGeometry&) {
       "a reference gauge beside the sensor, with cold and with warm oil at the same pressure: strokes alone take it for a flow "
       "that goes with the oil";
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastSensorWarming, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastSensorWarming);
   e.walks = true;
   e.variant = [](const auto&) {
     constexpr double kUnit = 1e-4;  // 1/K

@@ -36,7 +36,7 @@ Effect PressureOffsetTemperature(const CushionGeometry&) {
   e.told_apart_by =
       "the pressure sensor with the cushion relieved, with cold and with warm oil: both readings must be zero";
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastZeroWarming, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastZeroWarming);
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     constexpr double kUnit = 1e4;  // Pa/K

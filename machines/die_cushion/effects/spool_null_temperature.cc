@@ -36,7 +36,7 @@ Effect SpoolNullTemperature(const CushionGeometry&) {
       "die Schieberstellung, bei der der Stößel stillsteht, mit kaltem und mit warmem Öl"};
   e.told_apart_by = "the spool position at which the ram stands still, with cold and with warm oil";
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastNullWarming, {"the oil", "das Öl"}, "K"};
+  e.least_span = OilWarmsBy(kLeastNullWarming);
   e.walks = true;
   e.variant = [](const auto&) {
     const auto null = IntegralOverTime<kFlowRoot, kOilTemperature>(
