@@ -69,6 +69,8 @@ void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
                                      "wrong and missing answers of explain and fit",
                                      RunPlantLogsBenchmark, exit_code);
   command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")->check(CLI::PositiveNumber);
+  command->add_option("--first", o->first, "Number of the first log, to have one of a campaign again")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_option("--kinds", o->kinds, "Only these kinds of imperfection, separated by commas")
       ->delimiter(',');
@@ -77,7 +79,8 @@ void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark plant-logs\n"
-      "  hydroscope benchmark plant-logs --cases 40 --kinds coloured_noise,signal_lag --details cases.tsv");
+      "  hydroscope benchmark plant-logs --cases 40 --kinds coloured_noise,signal_lag --details cases.tsv\n"
+      "  hydroscope benchmark plant-logs --seed 7 --first 123 --cases 1");
 }
 
 void AddSince(CLI::App& benchmark, int& exit_code) {

@@ -190,15 +190,17 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(k, o.seed, *kinds)); },
+      [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds)); },
       o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
     const PlantTally tally = TallyOf(outcomes[k]);
-    result.kinds[k % kinds->size()].second.Add(tally);
+    const int number = o.first + static_cast<int>(k);
+    result.kinds[static_cast<std::size_t>(number) % kinds->size()].second.Add(tally);
     result.all.Add(tally);
-    result.details.push_back(DetailLine(static_cast<int>(k), outcomes[k]));
+    result.details.push_back(DetailLine(number, outcomes[k]));
+    if (tally.wrong != 0) result.wrong.push_back(result.details.back());
   }
   return result;
 }
@@ -225,6 +227,9 @@ int RunPlantLogsBenchmark(const PlantLogsOptions& o) {
     file << "case\tkind\tgrade\textra\texcess\tidentifiable\thidden\tsaid\tflagged\tfit off\tfit warned\n";
     for (const std::string& line : result->details) file << line << '\n';
   }
+  if (!result->wrong.empty())
+    std::cout << fmt::format("\nwrong (number, kind, ... as --details has it)\n{}\n",
+                             fmt::join(result->wrong, "\n"));
   const std::vector<std::string> missed = PlantGoals().Missed(t);
   for (const std::string& line : missed) std::cout << line << '\n';
   std::cout << (missed.empty() ? "\nall goals reached\n" : "\nNOT all goals reached\n");

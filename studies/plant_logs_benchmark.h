@@ -11,6 +11,7 @@ namespace hydroscope {
 
 struct PlantLogsOptions {
   int cases = 1000;                ///< simulated logs
+  int first = 0;                   ///< number of the first: a log is drawn by its number and the seed
   std::uint64_t seed = 1;          ///< of the whole campaign
   std::vector<std::string> kinds;  ///< of PlantKinds(), empty = all
   int threads = 0;                 ///< 0: one per core
@@ -31,6 +32,7 @@ struct PlantLogsResult {
   std::vector<std::pair<std::string, PlantTally>> kinds;
   PlantTally all;
   std::vector<std::string> details;  ///< a line per case, tab-separated, without header
+  std::vector<std::string> wrong;    ///< those of `details` whose answer is wrong
 };
 
 /// Shares that a campaign must keep to.
