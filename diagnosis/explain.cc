@@ -71,6 +71,7 @@ class Explainer {
   bool IsSame(const RankedEffect& law, const CandidateModel& on,
               const std::vector<EffectChoice>& named) const;
   void LookForMore(Explanation& out) const;
+  void LookForBias(Explanation& out) const;
   void Judge(Explanation& out) const;
 
   const StrokeSet& strokes_;
@@ -305,6 +306,30 @@ void Explainer::LookForMore(Explanation& out) const {
            out.remainder_law);
 }
 
+/// A trifle of the output is none of a parameter that hangs on it: an effect that cannot be chance and would move one by much says
+/// that the model is not adequate.
+void Explainer::LookForBias(Explanation& out) const {
+  const ModelStructure& model = strokes_.model();
+  const auto parameters = [&](const ExtendedFit& fit) {
+    return model.derive(fit.theta.head(model.base_count));
+  };
+  const std::vector<DerivedParameter> as_is = parameters(start_.fit);
+  for (const RankedEffect& r : out.ranking) {
+    if (!r.fit.solved || !r.lawful || !r.testable || r.p_value >= options_.sure_of_more) continue;
+    const std::vector<DerivedParameter> with = parameters(r.fit);
+    for (std::size_t p = 0; p < as_is.size(); ++p) {
+      const double moved = with[p].value / as_is[p].value - 1;
+      if (std::abs(moved) < options_.biased) continue;
+      out.verdict = Verdict::kUnknown;
+      out.doubt = Tell(
+          "a small error is sure, too small to name its cause, and {} hangs on it: it would change by {:+.0f} % with {}",
+          "ein kleiner Fehler ist sicher, zu klein für den Namen seiner Ursache, und {0} hängt an ihm: mit {2} änderte es sich um {1:+.0f} %",
+          as_is[p].name, 100 * moved, r.id);
+      return;
+    }
+  }
+}
+
 void Explainer::Judge(Explanation& out) const {
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
@@ -345,6 +370,7 @@ Explanation Explainer::Run() {
   if (!model) {
     out.verdict = at_floor ? Verdict::kAdequate : Verdict::kUnknown;
     if (at_floor) LookForMore(out);
+    if (out.verdict == Verdict::kAdequate) LookForBias(out);
     return out;
   }
   TakeSteps(*model, out);

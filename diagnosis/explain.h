@@ -116,6 +116,8 @@ struct ExplainOptions {
   double chance_at_floor = 1e-4;
   /// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
   double sure_of_more = 1e-6;
+  /// Share of a parameter of the model that an effect too small for a name may move without a word.
+  double biased = 0.1;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 

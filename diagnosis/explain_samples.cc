@@ -91,14 +91,19 @@ void RefineTwins(ModelStructure& model, std::span<const StrokeStretches> strokes
   }
 }
 
+StrokesUnder StrokesOf(std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                       double noise_scale) {
+  return [strokes, window, noise_scale](std::shared_ptr<const ModelStructure> model) {
+    const auto grams = GramsOf(model, strokes, window);
+    return StrokeSet(std::move(model), grams, window, noise_scale);
+  };
+}
+
 /// The chain with shapes refined on the samples, its noise as ExplainOptions::noise_scale says.
 Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
                            const ExplainOptions& options) {
-  const auto set_of = [&](std::shared_ptr<const ModelStructure> of) {
-    auto grams = GramsOf(of, strokes, window);
-    return StrokeSet(std::move(of), grams, window, options.noise_scale);
-  };
+  const StrokesUnder set_of = StrokesOf(strokes, window, options.noise_scale);
   auto with_laws = std::make_shared<ModelStructure>(*model);
   AddSampleEffects(*with_laws);
   AddGenericLaws(*with_laws);
@@ -271,6 +276,9 @@ void AllowForNoise(const ExplainOptions& options, Explanation& x) {
                    1 + x.final.excess_ratio);
 }
 
+/// Share by which noise may be more than neighbouring rows promise without a word.
+constexpr double kTold = 0.01;
+
 /// The explanation of the model as it is, whatever was added to it.
 Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
@@ -284,20 +292,22 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
     RefuseWhatMayBeZero(options, out);
   }
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
-  const StrokeSet set(out.model, GramsOf(out.model, strokes, window), window, out.noise_scale);
+  const StrokesUnder under = StrokesOf(strokes, window, out.noise_scale);
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;
   scaled.evidence_scale = out.evidence_scale;
-  if (auto parted = ExplainOddStrokes(set, out, scaled)) return std::move(*parted);
+  if (auto parted = ExplainOddStrokes(under(out.model), out, scaled, under)) return std::move(*parted);
   if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
   if (without.verdict == Verdict::kUnknown) return out;
+  const double above = std::sqrt(without.noise_scale) - 1;
+  if (above < kTold) return without;
   without.warnings.push_back(Tell(
       "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
       "it: taken as noise that is not quite white",
       "der Fehler liegt {:.0f} % über dem, was benachbarte Zeilen versprechen, und nichts sagt ihn voraus: "
       "er gilt als Rauschen, das nicht ganz weiß ist",
-      100 * (std::sqrt(without.noise_scale) - 1)));
+      100 * above));
   return without;
 }
 

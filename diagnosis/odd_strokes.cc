@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 
 namespace hydroscope {
@@ -132,14 +133,51 @@ std::vector<std::size_t> RestOf(const StrokeSet& strokes, const std::vector<std:
   return rest;
 }
 
-/// What explains the odd strokes against the rest, whose explanation is `rest`.
-Explanation ExplainAgainst(const StrokeSet& strokes, const std::vector<std::size_t>& odd,
-                           const Explanation& rest, const ExplainOptions& explain) {
+/// A law of time or of the oil's temperature: it singles out no strokes.
+bool NeverPauses(const Effect& effect, const ModelStructure& model) {
+  return !effect.drifting.empty() ||
+         (effect.least_span && effect.least_span->channel == model.temperature_channel);
+}
+
+void LeaveOutWhatNeverPauses(const ModelStructure& model, std::map<std::string, Told>& untestable) {
+  for (const auto& effect : model.effects)
+    if (NeverPauses(*effect, model))
+      untestable.emplace(effect->id, Tell("it would show in all strokes, not in some alone",
+                                          "er zeigte sich in allen Hüben, nicht nur in einigen"));
+}
+
+constexpr int kShapings = 3;  ///< of laws tied to their size
+
+using PartOf = std::function<StrokeSet(const StrokeSet&)>;
+
+/// Explains `part` of the strokes. Laws tied to their size have another shape in it than in all: `strokes` gets those.
+Explanation ExplainPart(StrokeSet& strokes, const PartOf& part, const ExplainOptions& explain,
+                        const StrokesUnder& under) {
+  Explanation out = Explain(part(strokes), explain);
+  for (int k = 0; under && k < kShapings; ++k) {
+    auto model = std::make_shared<ModelStructure>(*out.model);
+    bool any = false;
+    for (const RankedEffect& r : out.ranking)
+      if (r.fit.solved && r.gain > explain.min_gain) any = AddImpliedShape(*model, r.fit) || any;
+    if (!any) break;
+    strokes = under(std::move(model));
+    out = Explain(part(strokes), explain);
+  }
+  return out;
+}
+
+/// What explains the odd strokes, places among the strokes `used`, against the others, whose explanation is `rest`.
+Explanation ExplainAgainst(StrokeSet& strokes, std::span<const std::size_t> used,
+                           std::span<const std::size_t> odd, const Explanation& rest,
+                           const ExplainOptions& explain, const StrokesUnder& under) {
   ExplainOptions beside = explain;
   beside.start.clear();
   for (const EffectChoice& choice : rest.chosen)
     beside.start.push_back(strokes.model().effects[choice.effect]->id);
-  return Explain(strokes.WithEffectsIn(odd, rest.chosen), beside);
+  LeaveOutWhatNeverPauses(strokes.model(), beside.untestable);
+  return ExplainPart(
+      strokes, [&](const StrokeSet& all) { return all.Only(used).WithEffectsIn(odd, rest.chosen); }, beside,
+      under);
 }
 
 /// The model's error in strokes of which `gram` is the sum: what an error of `directions` (columns) of any sizes leaves of its
@@ -206,9 +244,9 @@ struct OddExplained {
   OddStrokes strokes;
   Explanation explanation;
 };
-std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vector<std::size_t>& odd,
+std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std::size_t>& odd,
                                         const Explanation& rest, const ExplainOptions& explain,
-                                        const OddStrokeOptions& options) {
+                                        const StrokesUnder& under, const OddStrokeOptions& options) {
   constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   for (const auto& [first, last] : kEnds) {
     if (odd.size() < options.least_named + first + last) return std::nullopt;
@@ -221,7 +259,7 @@ std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vec
     for (const std::size_t s : left)
       places.push_back(
           static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), s) - used.begin()));
-    Explanation found = ExplainAgainst(strokes.Only(used), places, rest, explain);
+    Explanation found = ExplainAgainst(strokes, used, places, rest, explain, under);
     const bool explains = !found.partial && !found.set.empty();
     std::string parameter =
         ParameterInPlaceOf(found, explains, strokes.Only(left), rest.final, explain, options);
@@ -240,13 +278,28 @@ bool MayDifferWithoutCause(const std::vector<std::size_t>& odd, int strokes,
          count >= options.together * stretch;
 }
 
-std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const EffectChoice> by,
-                                  const ExplainOptions& explain, const OddStrokeOptions& options) {
+/// Time and temperature run from the first stroke to the last: a law of theirs that leaves strokes at an end of the log
+/// undescribed is not the one.
+bool MissesAnEnd(const Explanation& found, const std::vector<std::size_t>& odd, int strokes) {
+  const auto is_odd = [&](int s) {
+    return std::binary_search(odd.begin(), odd.end(), static_cast<std::size_t>(s));
+  };
+  if (!(is_odd(0) && is_odd(1)) && !(is_odd(strokes - 1) && is_odd(strokes - 2))) return false;
+  return std::any_of(found.chosen.begin() + found.started, found.chosen.end(), [&](const EffectChoice& c) {
+    return NeverPauses(*found.model->effects[c.effect], *found.model);
+  });
+}
+
+std::optional<Explanation> Parted(StrokeSet strokes, std::span<const EffectChoice> by,
+                                  const ExplainOptions& explain, const StrokesUnder& under,
+                                  const OddStrokeOptions& options) {
   std::vector<std::size_t> odd = FindOddStrokes(strokes, by, explain, options);
   if (odd.empty()) return std::nullopt;
-  Explanation out = Explain(strokes.Only(RestOf(strokes, odd)), explain);
+  const std::vector<std::size_t> rest = RestOf(strokes, odd);
+  Explanation out = ExplainPart(
+      strokes, [&](const StrokeSet& all) { return all.Only(rest); }, explain, under);
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
-  if (auto most = ExplainMost(strokes, odd, out, explain, options)) {
+  if (auto most = ExplainMost(strokes, odd, out, explain, under, options)) {
     if (out.verdict == Verdict::kAdequate) out = std::move(most->explanation);
     std::erase_if(odd, [&](std::size_t s) {
       return std::binary_search(most->strokes.strokes.begin(), most->strokes.strokes.end(), s);
@@ -254,6 +307,7 @@ std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const Effe
     out.odd_strokes.push_back(std::move(most->strokes));
   }
   if (odd.empty()) return out;
+  if (MissesAnEnd(out, odd, strokes.strokes())) return std::nullopt;
   // Under coloured noise strokes stand out for no more than a slow swing of it.
   if (out.verdict == Verdict::kAdequate && explain.floor_believable &&
       !MayDifferWithoutCause(odd, strokes.strokes(), options))
@@ -265,14 +319,15 @@ std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const Effe
 }  // namespace
 
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
-                                             const ExplainOptions& explain, const OddStrokeOptions& options) {
+                                             const ExplainOptions& explain, const StrokesUnder& under,
+                                             const OddStrokeOptions& options) {
   const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
-  if (auto parted = Parted(strokes, start, explain, options)) return parted;
+  if (auto parted = Parted(strokes, start, explain, under, options)) return parted;
   for (std::size_t k = 0; k < std::min(options.tried, whole.ranking.size()); ++k) {
     if (!whole.ranking[k].fit.solved || whole.ranking[k].gain < explain.min_gain) continue;
     std::vector<EffectChoice> by = start;
     by.push_back(whole.ranking[k].fit.effects.back().choice);
-    if (auto parted = Parted(strokes, by, explain, options)) return parted;
+    if (auto parted = Parted(strokes, by, explain, under, options)) return parted;
   }
   return std::nullopt;
 }

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <vector>
 
 #include "diagnosis/explain.h"
@@ -27,6 +29,9 @@ struct OddStrokeOptions {
   double beyond_parameter = 10.0, beyond_share = 0.02;
 };
 
+/// The strokes of a log under another model over the same channels; empty: their samples are gone.
+using StrokesUnder = std::function<StrokeSet(std::shared_ptr<const ModelStructure>)>;
+
 /// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until it does (forward
 /// trimming), or the rest is found by least trimmed squares; then those that the rest describes after all are taken back. Empty
 /// if the log cannot be parted so, or if all strokes are described.
@@ -36,9 +41,10 @@ std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<cons
 /// An explanation in place of `whole`, of verdict unknown, if a few strokes are to blame: that of the rest, and of
 /// the odd strokes against it (an effect at work in these alone). Strokes are parted by the model as it is, then
 /// by it and one of the effects that gain most. If the rest misses nothing, verdict and set are those of the odd
-/// strokes. `strokes` has the model of `whole`. nullopt if none are odd, or the rest is not described either.
+/// strokes. `strokes` has the model of `whole`, and `under` builds the same of other models: laws that a size ties to a shape have
+/// another one in the odd strokes than in all. nullopt if none are odd, or the rest is not described either.
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
-                                             const ExplainOptions& explain,
+                                             const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options = {});
 
 }  // namespace hydroscope

@@ -275,6 +275,15 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
   return Keep(model, start.effect, best, trial.on());
 }
 
+bool AddImpliedShape(ModelStructure& model, const ExtendedFit& fit) {
+  const EffectEstimate& last = fit.effects.back();
+  const Effect& effect = *model.effects[last.choice.effect];
+  if (!effect.implied || last.consistent) return false;
+  const double implied = effect.implied({fit.theta.head(model.base_count), last.size});
+  Keep(model, last.choice.effect, {WithinLimits(effect.nonlinear[0], implied)}, {});
+  return true;
+}
+
 std::vector<EffectChoice> RefineModel(ModelStructure& model, std::span<const StrokeStretches> strokes,
                                       const WindowSamples& window, std::vector<EffectChoice> choices) {
   if (choices.size() > 1) {

@@ -25,6 +25,10 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
                        const WindowSamples& window, std::span<const EffectChoice> others,
                        const EffectChoice& start);
 
+/// Adds the shape at which the last effect of `fit`, whose law ties it to its size, agrees with the size found there. False if
+/// it agrees already, or no law ties it.
+bool AddImpliedShape(ModelStructure& model, const ExtendedFit& fit);
+
 /// The same for all effects of a model. Those tied to their size take the values that the common fit implies,
 /// again and again until they stay, then free ones are found given the others; each on the signals as the
 /// others correct them (Effect::correct). Returns the shapes, in the order of `choices`.

@@ -190,7 +190,9 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds)); },
+      [&](int k) {
+        outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds));
+      },
       o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});

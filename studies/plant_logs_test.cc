@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,10 @@
 
 namespace hydroscope {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 PlantCase CaseOf(const std::string& kind, std::vector<std::string> right) {
   PlantCase c;
@@ -134,6 +139,22 @@ TEST(PlantLogs, TwentyEverydayLogsAreAnsweredWithoutAFalseWord) {
   EXPECT_LE(tally.flagged + tally.extra, 1) << details;
   EXPECT_LE(tally.identifiable_unknown, 4) << details;
   EXPECT_GE(tally.right, 15) << details;
+}
+
+/// Log `number` of the campaign of `seed`, as --details tells it; "wrong" if its answer is.
+std::string AnswerToLog(std::uint64_t seed, int number) {
+  PlantLogsOptions options;
+  options.seed = seed;
+  options.first = number;
+  options.cases = 1;
+  const auto result = RunPlantLogs(options);
+  return !result ? result.error().text : result->wrong.empty() ? result->details.front() : "wrong";
+}
+
+TEST(PlantLogs, ALawOfTimeOrTemperatureHoldsInAllStrokes) {
+  EXPECT_THAT(AnswerToLog(31337, 22), HasSubstr("Q_vn_drift"));  // five strokes at its beginning were odd
+  EXPECT_THAT(AnswerToLog(88431, 248),
+              AllOf(HasSubstr("odd: pressure_offset"), Not(HasSubstr("pressure_offset_temperature"))));
 }
 
 TEST(PlantLogs, AnUnknownKindNamesTheNearest) {

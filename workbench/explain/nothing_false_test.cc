@@ -299,6 +299,16 @@ TEST(NothingFalse, AnErrorThatNoSensorOfAPlantWouldShowIsNone) {
   EXPECT_EQ(ExplanationOf(log, MachineFor(options)).verdict, Verdict::kAdequate);
 }
 
+TEST(NothingFalse, ATrifleOfTheOutputThatAParameterHangsOnIsNoAllClear) {
+  PressOptions options = ASeenPress(13);
+  options.effects = {{"pressure_signal_delay", 0.004, {}}};
+  ExplainOptions lenient;
+  lenient.trifle = 0.01;
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options), lenient);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.doubt.english, HasSubstr("hangs on it"));
+}
+
 /// The error of an oil column in the line, which the library is to know nothing of: a tenth of the noise energy, and no effect gains
 /// enough of it for a name.
 TEST(NothingFalse, AnErrorNearTheFloorThatIsNoChanceIsNoAllClear) {
