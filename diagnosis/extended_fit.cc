@@ -82,7 +82,7 @@ void JudgeFlows(const Strokes& strokes, ExtendedFit& fit) {
     measured += s.flow(n, n);
     common += fit.theta.dot(s.flow.col(n).head(n));
     modelled += fit.theta.dot(s.flow.topLeftCorner(n, n) * fit.theta);
-    windows += s.windows;
+    windows += s.of->windows;
   }
   if (windows <= 0) return;
   fit.rms_measured = std::sqrt(measured / windows);
@@ -136,53 +136,57 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
 /// Augmented matrices: regressors first, output last.
 struct StrokeSet::Reduced {
   Eigen::MatrixXd clean, noise, flow;
-  double windows = 0;
-  std::int64_t blocks = 0, spans = 0;
+  const Stroke* of = nullptr;
   std::size_t stroke = 0;
-
-  double count() const { return static_cast<double>(blocks - spans); }
 };
+
+void StrokeSet::Stroke::TakeOut(Eigen::Index column) {
+  for (Eigen::MatrixXd* matrix : {&clean, &noise, &flow}) {
+    matrix->row(column).setZero();
+    matrix->col(column).setZero();
+  }
+}
 
 StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
                      const WindowSamples& window, double noise_scale)
     : model_(std::move(model)), window_(window), noise_scale_(noise_scale) {
+  const int columns = model_->column_count();
   for (const StrokeGram& gram : strokes) {
-    noise_.push_back(Unpacked(gram.noise));
-    clean_.push_back(Unpacked(gram.integral) - noise_.back());
-    flow_.push_back(Unpacked(gram.flow));
-    blocks_.push_back(gram.blocks);
-    spans_.push_back(gram.spans);
-    logs_.push_back(gram.log);
-    windows_.push_back(static_cast<double>(gram.windows));
-    equations_ += static_cast<double>(gram.blocks - gram.spans);
-    bad_.emplace_back(model_->column_count(), false);
-    for (int c = 0; c < model_->column_count(); ++c) {
-      if (std::isfinite(clean_.back()(c, c))) continue;
-      bad_.back()[c] = true;
-      for (Eigen::MatrixXd* matrix : {&clean_.back(), &noise_.back(), &flow_.back()}) {
-        matrix->row(c).setZero();
-        matrix->col(c).setZero();
-      }
+    Stroke stroke{Unpacked(gram.integral),
+                  Unpacked(gram.noise),
+                  Unpacked(gram.flow),
+                  gram.blocks,
+                  gram.spans,
+                  gram.log,
+                  static_cast<double>(gram.windows),
+                  std::vector<bool>(static_cast<std::size_t>(columns), false)};
+    stroke.clean -= stroke.noise;
+    for (int c = 0; c < columns; ++c) {
+      if (std::isfinite(stroke.clean(c, c))) continue;
+      stroke.bad[static_cast<std::size_t>(c)] = true;
+      stroke.TakeOut(c);
     }
+    equations_ += stroke.equations();
+    strokes_.push_back(std::make_shared<const Stroke>(std::move(stroke)));
   }
 }
 
 Eigen::MatrixXd StrokeSet::Total() const {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
-  for (const Eigen::MatrixXd& gram : clean_) total += gram;
+  for (const auto& stroke : strokes_) total += stroke->clean;
   return total;
 }
 
 double StrokeSet::OutputEnergy() const {
   const int output = model_->output_column();
   double energy = 0;
-  for (const Eigen::MatrixXd& gram : clean_) energy += gram(output, output);
+  for (const auto& stroke : strokes_) energy += stroke->clean(output, output);
   return energy;
 }
 
 Eigen::MatrixXd StrokeSet::TotalFlow() const {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
-  for (const Eigen::MatrixXd& gram : flow_) total += gram;
+  for (const auto& stroke : strokes_) total += stroke->flow;
   return total;
 }
 
@@ -196,24 +200,17 @@ Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::Ve
 StrokeSet StrokeSet::Only(std::span<const std::size_t> strokes) const {
   StrokeSet some(model_, {}, window_, noise_scale_);
   for (const std::size_t s : strokes) {
-    some.clean_.push_back(clean_[s]);
-    some.noise_.push_back(noise_[s]);
-    some.flow_.push_back(flow_[s]);
-    some.blocks_.push_back(blocks_[s]);
-    some.spans_.push_back(spans_[s]);
-    some.logs_.push_back(logs_[s]);
-    some.windows_.push_back(windows_[s]);
-    some.bad_.push_back(bad_[s]);
-    some.equations_ += static_cast<double>(blocks_[s] - spans_[s]);
+    some.strokes_.push_back(strokes_[s]);
+    some.equations_ += strokes_[s]->equations();
   }
   return some;
 }
 
 std::optional<StrokeSet> StrokeSet::Comparable() const {
   std::vector<std::size_t> good;
-  for (std::size_t s = 0; s < clean_.size(); ++s)
-    if (std::find(bad_[s].begin(), bad_[s].end(), true) == bad_[s].end()) good.push_back(s);
-  if (good.size() == clean_.size() || good.size() < kLeastStrokes || 2 * good.size() < clean_.size())
+  for (std::size_t s = 0; s < strokes_.size(); ++s)
+    if (std::ranges::find(strokes_[s]->bad, true) == strokes_[s]->bad.end()) good.push_back(s);
+  if (good.size() == strokes_.size() || good.size() < kLeastStrokes || 2 * good.size() < strokes_.size())
     return std::nullopt;
   return Only(good);
 }
@@ -225,33 +222,32 @@ StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
   std::fill_n(kept.begin(), model_->output_column() + 1, true);
   for (const EffectChoice& choice : everywhere)
     for (const int column : model_->effect_shapes[choice.effect][choice.shape].columns) kept[column] = true;
-  for (std::size_t s = 0; s < clean_.size(); ++s) {
+  for (std::size_t s = 0; s < strokes_.size(); ++s) {
     if (std::find(strokes.begin(), strokes.end(), s) != strokes.end()) continue;
+    Stroke without = *strokes_[s];
     for (std::size_t c = 0; c < kept.size(); ++c) {
       if (kept[c]) continue;
-      out.bad_[s][c] = false;
-      for (Eigen::MatrixXd* matrix : {&out.clean_[s], &out.noise_[s], &out.flow_[s]}) {
-        matrix->row(static_cast<Eigen::Index>(c)).setZero();
-        matrix->col(static_cast<Eigen::Index>(c)).setZero();
-      }
+      without.bad[c] = false;
+      without.TakeOut(static_cast<Eigen::Index>(c));
     }
+    out.strokes_[s] = std::make_shared<const Stroke>(std::move(without));
   }
   return out;
 }
 
 double StrokeSet::ExcessRatio(const ExtendedFit& fit, std::size_t stroke) const {
-  const double noise = fit.noise_variance * static_cast<double>(blocks_[stroke] - spans_[stroke]);
+  const double noise = fit.noise_variance * Equations(stroke);
   const double excess = fit.excess[static_cast<Eigen::Index>(stroke)];
   return noise > 0 ? (excess - (1 - 1 / noise_scale_) * noise) / noise : 0.0;
 }
 
 std::vector<std::size_t> StrokeSet::Usable(std::span<const EffectChoice> choices) const {
   std::vector<std::size_t> strokes;
-  for (std::size_t s = 0; s < clean_.size(); ++s) {
+  for (std::size_t s = 0; s < strokes_.size(); ++s) {
     bool good = true;
     for (const EffectChoice& choice : choices)
       for (int column : model_->effect_shapes[choice.effect][choice.shape].columns)
-        good = good && !bad_[s][column];
+        good = good && !strokes_[s]->bad[column];
     if (good) strokes.push_back(s);
   }
   return strokes;
@@ -259,10 +255,10 @@ std::vector<std::size_t> StrokeSet::Usable(std::span<const EffectChoice> choices
 
 bool StrokeSet::Measured(const EffectChoice& choice) const {
   const std::vector<std::size_t> usable = Usable({&choice, 1});
-  if (usable.size() < std::min(kLeastStrokes, clean_.size())) return false;
+  if (usable.size() < std::min(kLeastStrokes, strokes_.size())) return false;
   for (int column : model_->effect_shapes[choice.effect][choice.shape].columns)
     for (std::size_t s : usable)
-      if (clean_[s](column, column) != 0.0) return true;
+      if (strokes_[s]->clean(column, column) != 0.0) return true;
   return false;
 }
 
@@ -304,9 +300,11 @@ SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices,
 std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns,
                                                   std::span<const std::size_t> strokes) const {
   std::vector<Reduced> out;
-  for (std::size_t s : strokes)
-    out.push_back({Congruence(clean_[s], columns), Congruence(noise_[s], columns),
-                   Congruence(flow_[s], columns), windows_[s], blocks_[s], spans_[s], s});
+  for (std::size_t s : strokes) {
+    const Stroke& stroke = *strokes_[s];
+    out.push_back({Congruence(stroke.clean, columns), Congruence(stroke.noise, columns),
+                   Congruence(stroke.flow, columns), &stroke, s});
+  }
   return out;
 }
 
@@ -314,17 +312,18 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   ExtendedFit fit;
   const std::vector<std::size_t> usable = Usable(choices);
   if (usable.empty()) return fit;
-  std::vector<Reduced> reduced = Reduce(Composite({}, Eigen::VectorXd::Zero(model_->base_count)), usable);
-  const auto solve = [&](const std::vector<Reduced>& strokes) {
+  SparseColumns columns = Composite({}, Eigen::VectorXd::Zero(model_->base_count));
+  const auto solve = [&] {
     NormalEquations total;
-    for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count());
+    for (const std::size_t s : usable)
+      total += AsEquations(Congruence(strokes_[s]->clean, columns), Equations(s));
     return SolveNormalEquations(total);
   };
-  fit.theta = solve(reduced);
+  fit.theta = solve();
   if (fit.theta.size() == 0) return fit;
   for (int pass = 0; !choices.empty() && pass < kRelinearisations; ++pass) {
-    reduced = Reduce(Composite(choices, fit.theta), usable);
-    const Eigen::VectorXd theta = solve(reduced);
+    columns = Composite(choices, fit.theta);
+    const Eigen::VectorXd theta = solve();
     if (theta.size() == 0 || !theta.allFinite()) return fit;
     const bool settled =
         theta.size() == fit.theta.size() &&
@@ -333,7 +332,7 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
     if (settled) break;
   }
   fit.solved = true;
-  Judge(reduced, choices, fit);
+  Judge(Reduce(columns, usable), choices, fit);
   return fit;
 }
 
@@ -343,9 +342,9 @@ void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) c
   std::vector<NormalEquations> equations;
   std::vector<StrokeOperation> operations;
   for (const Reduced& s : reduced) {
-    equations.push_back(AsEquations(s.clean, s.count()));
+    equations.push_back(AsEquations(s.clean, s.of->equations()));
     const Eigen::VectorXd square = s.flow.diagonal().head(fit.theta.size());
-    operations.push_back({logs_[s.stroke], (square / std::max(1.0, s.windows)).cwiseSqrt()});
+    operations.push_back({s.of->log, (square / std::max(1.0, s.of->windows)).cwiseSqrt()});
   }
   fit.clusters = FindStrokeClusters(equations, operations, fit.theta);
   if (fit.clusters.unit == ClusterUnit::kStroke) return;
@@ -362,12 +361,13 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
                       ExtendedFit& fit) const {
   const int n = static_cast<int>(fit.theta.size());
   NormalEquations total;
-  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count());
+  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.of->equations());
   JudgeFlows(strokes, fit);
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
   Eigen::MatrixXd replicas(n, strokes.size());
-  fit.excess.setConstant(static_cast<Eigen::Index>(clean_.size()), std::numeric_limits<double>::quiet_NaN());
+  fit.excess.setConstant(static_cast<Eigen::Index>(strokes_.size()),
+                         std::numeric_limits<double>::quiet_NaN());
   fit.flow_error = fit.excess;
   double excess = 0;
   double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
@@ -377,7 +377,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const std::vector<int> walk = model_->WalkingParameters(added);
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     NormalEquations rest = total;
-    rest -= AsEquations(strokes[s].clean, strokes[s].count());
+    rest -= AsEquations(strokes[s].clean, strokes[s].of->equations());
     Eigen::VectorXd theta = SolveNormalEquations(rest);
     const bool indispensable = theta.size() == 0;  // not judged: no model without it
     if (indispensable) {
@@ -390,12 +390,12 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     excess += error;
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
-    floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].blocks, strokes[s].spans);
+    floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].of->blocks, strokes[s].of->spans);
     const double flow = Energy(strokes[s].flow, theta);
     fit.flow_error[static_cast<Eigen::Index>(strokes[s].stroke)] = flow;
     if (indispensable) continue;
     flow_error += flow;
-    windows += strokes[s].windows;
+    windows += strokes[s].of->windows;
   }
   // Of the error, the noise shares were taken out already; the rest of the noise is still in it.
   const double further_noise = (noise_scale_ - 1) * noise;

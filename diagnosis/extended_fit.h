@@ -98,10 +98,10 @@ class StrokeSet {
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   /// The output's energy of all strokes in the integral form, noise taken out.
   double OutputEnergy() const;
-  int strokes() const { return static_cast<int>(clean_.size()); }
+  int strokes() const { return static_cast<int>(strokes_.size()); }
   double equations() const { return equations_; }
   double period() const { return window_.period; }  ///< s between rows
-  double Equations(std::size_t stroke) const { return static_cast<double>(blocks_[stroke] - spans_[stroke]); }
+  double Equations(std::size_t stroke) const { return strokes_[stroke]->equations(); }
   /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;
   /// The strokes in which every signal of the library was good, if a sensor was bad in some but not in most:
@@ -121,6 +121,16 @@ class StrokeSet {
   EffectChoice BestShape(int effect, std::span<const EffectChoice> others) const;
 
  private:
+  struct Stroke {
+    Eigen::MatrixXd clean, noise, flow;  ///< full symmetric
+    std::int64_t blocks = 0, spans = 0;
+    int log = 0;
+    double windows = 0;
+    std::vector<bool> bad;  ///< per column: a signal it needs was bad
+
+    double equations() const { return static_cast<double>(blocks - spans); }
+    void TakeOut(Eigen::Index column);
+  };
   struct Reduced;  ///< normal equations of one stroke over base + composite columns
   std::vector<std::vector<std::pair<int, double>>> Composite(std::span<const EffectChoice> choices,
                                                              const Eigen::VectorXd& theta) const;
@@ -131,12 +141,8 @@ class StrokeSet {
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
-  std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
-  std::vector<std::int64_t> blocks_, spans_;
-  std::vector<int> logs_;
-  std::vector<double> windows_;
+  std::vector<std::shared_ptr<const Stroke>> strokes_;  ///< shared by the sets that hold them
   double noise_scale_ = 1.0;
-  std::vector<std::vector<bool>> bad_;  ///< [stroke][column]: a signal it needs was bad
   double equations_ = 0;
 };
 
