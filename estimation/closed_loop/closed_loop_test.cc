@@ -27,7 +27,7 @@ TransferModel ModelOf(const TestCylinderOptions& o) {
 TEST(ClosedLoop, TheTruthLiesInsideTheIntervalsAndNearTheValues) {
   const TestCylinderOptions o{.seconds = 40, .seed = 3};
   const auto response = MeasureClosedLoop(RecordOf(o), ModelOf(o));
-  ASSERT_TRUE(response && response->fit) << (response ? response->no_fit : response.error().text);
+  ASSERT_TRUE(response && response->fit) << (response ? response->no_fit.english : response.error().text);
   const TestCylinderTruth truth = TruthOf(o);
   const std::array<double, 5> values = {truth.f_h, truth.zeta_h, truth.f_sv, truth.K_sv, truth.T_d};
   for (std::size_t i = 0; i < values.size(); ++i)

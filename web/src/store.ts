@@ -5,10 +5,12 @@ import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./
 import { knowEffects } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
 import { shareOfVariation } from "./units";
-import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
+import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, LoopChanges, LoopResult, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
 type Kind = keyof Results;
+/** The same of a machine in closed loop. */
+export const ofLoop = (results: Results) => ({ response: results.compare as unknown as LoopResult | undefined, changes: results.explain as unknown as LoopChanges | undefined });
 const kinds: Kind[] = ["compare", "check", "picture", "explain"];  // what takes longest last
 
 interface State {

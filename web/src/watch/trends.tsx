@@ -2,6 +2,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get } from "../api";
 import { failureOf, Problem, type Failure } from "../failure";
 import { pageColor } from "../plot";
+import { grouped } from "../units";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
 import { useWords } from "../words";
@@ -137,7 +138,7 @@ export function Trends({ overview }: { overview: Overview }) {
       </fieldset>
       <Problem of={problem} />
       <p class="quiet" role="status">
-        {say("strokesOf", { from: from.toLocaleString(), to: (to - 1).toLocaleString(), count: strokes.toLocaleString() })}
+        {say("strokesOf", { from: grouped(from), to: grouped(to - 1), count: grouped(strokes) })}
         {trends[0] && isDate(trends[0].bins.begin_s[0]) && <> · {dateText(placeOf(from, trends[0], "time"))} – {dateText(placeOf(to - 1, trends[0], "time"))}</>}
         {trends.some((t) => !t.exact) ? ` · ${say("trendGlance")}` : late ? ` · ${say("loading")}` : ""}
       </p>
