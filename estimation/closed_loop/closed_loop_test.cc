@@ -103,7 +103,7 @@ TEST(ClosedLoop, MoreNoiseAsksForALongerRecord) {
   EXPECT_GT(loud->seconds_needed, 4 * quiet->seconds_needed);
   EXPECT_GT(loud->seconds_needed, 60);
   ASSERT_FALSE(loud->warnings.empty());
-  EXPECT_THAT(loud->warnings.front(), HasSubstr("too short for the precision wanted"));
+  EXPECT_THAT(loud->warnings.front().english, HasSubstr("too short for the precision wanted"));
 }
 
 TEST(ClosedLoop, WhatCannotBeMeasuredIsSaid) {
