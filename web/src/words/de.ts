@@ -206,7 +206,7 @@ export const de: Words = {
   partOfIt: "Einen Teil davon erklärt: ",
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; damit {after}; {noise}.",
   verdictError: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; {noise}.",
-  verdictShort: "Gemeint sind kurze Läufe; der Fehler links ist der auf längeren Stücken.",
+  verdictShort: "Gemeint sind kurze Läufe; der Fehler bei den Fassungen ist der auf längeren Stücken.",
   inspect: "Wonach zu sehen ist",
   oddParameter: "Die <Hübe|Episoden> {strokes} weichen ab; ein anderer Wert von {parameter} in ihnen erklärt das so gut wie jeder Effekt: dort hat sich die Maschine oder eine Einstellung geändert. Sie wurden ausgelassen.",
   oddStrokes: "Die <Hübe|Episoden> {strokes} weichen von den übrigen ab und wurden ausgelassen.",

@@ -205,7 +205,7 @@ export const en = {
   partOfIt: "A part of it: ",
   verdictErrors: "Error on <strokes|pieces> left out {before}; with it {after}; {noise}.",
   verdictError: "Error on <strokes|pieces> left out {before}; {noise}.",
-  verdictShort: "Short runs are meant; the error on the left is that of longer pieces.",
+  verdictShort: "Short runs are meant; the error beside the versions is that of longer pieces.",
   inspect: "What to look for",
   oddParameter: "<Strokes|Episodes> {strokes} differ, and another value of {parameter} in them explains that as well as any effect does: the machine or a setting changed there. They were left out.",
   oddStrokes: "<Strokes|Episodes> {strokes} differ from the rest and were left out.",
