@@ -49,7 +49,7 @@ export function Learn({ overview }: { overview: Overview }) {
         <label>{say("learnLast")} <WholeNumber name="learn-last" min={from} max={strokes - 1} value={to - 1} take={(last) => look(from, last + 1)} /></label>
         <button onClick={() => look(0, strokes)} disabled={to - from === strokes}>{say("everything")}</button>
       </div>
-      <Problem of={problem} />
+      <Problem of={overview.problem ? null : problem} />
       <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} ahead={ahead} height={260} />}</div>
       <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say("trendKeys")}</p>
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />

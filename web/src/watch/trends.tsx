@@ -136,7 +136,7 @@ export function Trends({ overview }: { overview: Overview }) {
       <fieldset class="choose"><legend>{say("parameters")}</legend>
         {known.map((p) => <label key={p.parameter} title={p.unit.meaning}><input type="checkbox" name={`p-${p.parameter}`} checked={parameters.includes(p.parameter)} onChange={(e) => choose(p.parameter, e.currentTarget.checked)} /> {symbolOf(p.unit)}</label>)}
       </fieldset>
-      <Problem of={problem} />
+      <Problem of={overview.problem ? null : problem} />
       <p class="quiet" role="status">
         {say("strokesOf", { from: grouped(from), to: grouped(to - 1), count: grouped(strokes) })}
         {trends[0] && isDate(trends[0].bins.begin_s[0]) && <> · {dateText(placeOf(from, trends[0], "time"))} – {dateText(placeOf(to - 1, trends[0], "time"))}</>}
