@@ -485,20 +485,3 @@ test("the page says that the program is gone and finds it again, with what was t
   await drop(first.page, [join(place.path, "hidden.csv")]);  // the token of the new program is fetched
   await first.page.waitForSelector(".pin.sure");
 });
-
-test("a machine that is no cushion shows its own picture, one of one's own its signals", async (t) => {
-  run(["simulate", "pump", "--out", "pump.csv"], place.path);
-  const { page, address } = await visit(t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
-  await page.goto(`${address}#step=check`);
-  await page.waitForSelector(".machine [data-mark=shaft_speed]");
-  assert.equal(await page.locator(".machine .mark").count(), 5);
-  assert.equal(await page.locator(".machine .part circle").count() > 0, true, "the drawing is there");
-
-  writeFileSync(join(place.path, "force.csv"), ["t,F,p_A,z"].concat(Array.from({ length: 400 }, (_, k) => `${k * 0.01},${1000 + 10 * Math.sin(k / 9)},${1e6 + 1e4 * Math.sin(k / 9)},${0.1 + 0.05 * Math.cos(k / 9)}`)).join("\n"));
-  const own = await visit(t, []);
-  await own.page.goto(own.address);
-  await drop(own.page, [join(place.path, "force.csv")]);
-  await own.page.waitForSelector(".machine [data-mark=p_A]");
-  const side = (name) => own.page.locator(`[data-mark=${name}] rect`).evaluate((box) => Number(box.getAttribute("x")));
-  assert.ok(await side("p_A") < await side("F"), "what is explained stands right");
-});
