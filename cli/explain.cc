@@ -3,13 +3,13 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "cli/frequency_response/loop_explain.h"
 #include "host/output.h"
 #include "models/counted_words.h"
 #include "report/explain_report.h"
 #include "report/states_report.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/explain/explain_stored.h"
+#include "workbench/frequency_response/loop_change.h"
 #include "workbench/history/history_options.h"
 #include "workbench/history/history_output.h"
 #include "workbench/model/measured_sizes.h"
@@ -170,7 +170,9 @@ Status RunExplain(const ExplainArguments& a) {
       return UsageError(
           "explain of a machine in closed loop takes one LOG, and --since OLD for what "
           "changed; no --report, no --measured");
-    return ExplainClosedLoop(a.logs.front(), a.since, a.machine, a.json);
+    const auto changed = ExplainLoopLog(a.logs.front(), a.since, a.machine);
+    if (!changed) return tl::unexpected(changed.error());
+    return Answer(LoopChangeText(*changed), LoopChangeJson(*changed), a.json);
   }
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
   if (a.history.db.empty() && HasStates(a.machine)) {

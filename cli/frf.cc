@@ -5,11 +5,12 @@
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/frequency_response/frf_report.h"
-#include "cli/frequency_response/loop_report.h"
+#include "cli/frequency_response/loop_bode.h"
 #include "host/output.h"
 #include "host/text_file.h"
 #include "models/machine_kind.h"
 #include "workbench/frequency_response/frf_record.h"
+#include "workbench/frequency_response/loop_output.h"
 
 namespace hydroscope {
 namespace {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 struct Machine;
@@ -31,8 +33,8 @@ struct LoopParameter {
 /// the parameters (a delay: over itself), since bulk modulus, stiffness, mass and flow gain enter them as powers.
 struct LoopChange {
   std::string_view id;
-  std::string_view quantity;  ///< what changed: "flow gain of the valve"
-  std::string_view sentence;  ///< what that means and what to look at
+  Wording quantity;  ///< what changed: "flow gain of the valve"
+  Wording sentence;  ///< what that means and what to look at
   /// Of each parameter: change of its logarithm (a delay: s) for a change of the quantity by a factor of e (a delay: 1 s).
   std::span<const double> direction;
   int sign = 0;  ///< +1, -1: the quantity can only grow, only shrink

@@ -57,10 +57,12 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
     if (other->build != nullptr || InEpisodes(*other)) known.push_back(other->id);
-  return BadInput(
-      Tell("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
-           "Maschine '{}': das Modell '{}' kann nicht aus Hüben identifiziert werden; bekannt sind: {}",
-           machine.name, machine.model, fmt::join(known, ", ")));
+  return BadInput(Tell(
+      "machine '{}': model '{}' cannot be identified from strokes: `hydroscope frf LOG --machine FILE` measures its "
+      "frequency response; from strokes: {}",
+      "Maschine '{}': das Modell '{}' kann nicht aus Hüben identifiziert werden: `hydroscope frf LOG --machine DATEI` misst "
+      "seinen Frequenzgang; aus Hüben: {}",
+      machine.name, machine.model, fmt::join(known, ", ")));
 }
 
 }  // namespace

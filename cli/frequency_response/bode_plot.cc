@@ -71,19 +71,4 @@ std::string BodePlot(const BodePicture& picture) {
                    phase.Plot("phase (°)", "°", -90, true)});
 }
 
-std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points,
-                                                 std::size_t most) {
-  if (points.size() <= most) return points;
-  std::vector<const FrequencyPoint*> chosen;
-  const double first = std::log(points.front()->frequency), last = std::log(points.back()->frequency);
-  double next = first;
-  for (const FrequencyPoint* p : points) {
-    if (std::log(p->frequency) < next - 1e-9) continue;
-    chosen.push_back(p);
-    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / static_cast<double>(most);
-  }
-  if (chosen.back() != points.back()) chosen.push_back(points.back());
-  return chosen;
-}
-
 }  // namespace hydroscope

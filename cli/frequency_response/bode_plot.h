@@ -25,7 +25,4 @@ struct BodePicture {
 /// As a self-contained SVG that follows the reader's light or dark theme.
 std::string BodePlot(const BodePicture& picture);
 
-/// Of many points the one nearest to each of `most` equal steps of log frequency.
-std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points, std::size_t most);
-
 }  // namespace hydroscope

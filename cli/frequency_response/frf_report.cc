@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/frequency_response/bode_plot.h"
-#include "cli/frequency_response/points_json.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/units.h"
+#include "workbench/frequency_response/frequency_points.h"
 
 namespace hydroscope {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "core/constants.h"
 #include "core/distributions.h"
+#include "core/told_error.h"
 #include "estimation/closed_loop/input_limit.h"
 #include "estimation/frequency_response/model.h"
 
@@ -28,10 +29,12 @@ Status CheckThatItMoves(const FrequencyRecord& record, const ClosedLoopPlant& pl
                                      {plant.input, &SignalRun::input},
                                      {plant.output, &SignalRun::output}})
     if (!(LargestMagnitude(record, signal) > 0))
-      return BadInput(
+      return BadInput(Tell(
           "{} does not move in this record; excite the set point with noise while it is recorded, and check "
           "that the right column is mapped",
-          name);
+          "{} bewegt sich in dieser Aufzeichnung nicht; den Sollwert beim Aufzeichnen mit Rauschen anregen, und nachsehen, "
+          "ob die richtige Spalte zugeordnet ist",
+          name));
   return {};
 }
 
@@ -109,7 +112,7 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
              const std::vector<double>& known, LoopResponse& response) {
   auto fit = FitTransfer(spectra, used, model);
   if (!fit) {
-    response.no_fit = fit.error().text;
+    response.no_fit = ToldOf(fit.error());
     return;
   }
   response.fit = std::move(*fit);
@@ -117,13 +120,17 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
     static_cast<LoopEstimate&>(*response.fit) = NearestWay(*model.plant, *response.fit, known);
   TakeParameters(*model.plant, response);
   if (response.fit->inflation > 1)
-    response.warnings.push_back(fmt::format(
+    response.warnings.push_back(Tell(
         "the transfer function does not describe the response within its noise: misfit is {:.3g} times the noise, intervals "
         "are widened by that; friction that does not grow with speed, or movements too large for a linear valve",
+        "die Übertragungsfunktion beschreibt die Antwort nicht innerhalb ihres Rauschens: die Abweichung ist {:.3g}-mal das "
+        "Rauschen, die Intervalle sind darum weiter; Reibung, die nicht mit der Geschwindigkeit wächst, oder Bewegungen, die "
+        "für ein lineares Ventil zu groß sind",
         response.fit->inflation));
   if (response.seconds_needed > response.seconds)
-    response.warnings.push_back(fmt::format(
+    response.warnings.push_back(Tell(
         "{:.0f} s are too short for the precision wanted: {} needs {:.0f} s of such a record (or more excitation)",
+        "{:.0f} s sind zu kurz für die gewünschte Genauigkeit: {} braucht {:.0f} s einer solchen Aufzeichnung (oder mehr Anregung)",
         response.seconds, response.needed_for, response.seconds_needed));
 }
 
@@ -144,10 +151,12 @@ Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const Tran
   if (!spectra) return tl::unexpected(spectra.error());
   std::vector<std::size_t> used = BinsOfSetPoint(*spectra, options.lowest, options.highest);
   if (used.size() < kFewestBinsOfSetPoint)
-    return BadInput(
-        "{} and {} are not related: the input follows the set point at {} frequencies, at least {} are needed; check that the "
-        "right columns are mapped, that the loop is closed and that the set point is excited",
-        model.plant->set_point, model.plant->input, used.size(), kFewestBinsOfSetPoint);
+    return BadInput(Tell(
+        "{} and {} are not related: the input follows the set point at {} frequencies, at least {} are needed; check that "
+        "the right columns are mapped, that the loop is closed and that the set point is excited",
+        "{} und {} hängen nicht zusammen: der Eingang folgt dem Sollwert bei {} Frequenzen, mindestens {} sind nötig; "
+        "nachsehen, ob die richtigen Spalten zugeordnet sind, ob der Regelkreis geschlossen und der Sollwert angeregt ist",
+        model.plant->set_point, model.plant->input, used.size(), kFewestBinsOfSetPoint));
 
   LoopResponse response;
   std::vector<std::size_t> loud;

@@ -36,7 +36,7 @@ struct LoopResponse {
   std::vector<std::complex<double>> direct;  ///< P_uy/P_uu beside each point
   std::optional<DirectBias> direct_bias;     ///< where it is largest; nothing: too few points
   std::optional<TransferFit> fit;            ///< absent: `no_fit` says why
-  std::string no_fit;
+  Told no_fit;
   std::vector<ValueWithStd> parameters;  ///< SI, as ClosedLoopPlant::parameters; empty without fit
   std::size_t segment_length = 0;
   int segments = 0;
@@ -44,7 +44,7 @@ struct LoopResponse {
   double seconds_needed = 0;  ///< of such a record for LoopParameter::wanted of all, in 99 of 100 records
   std::string needed_for;     ///< the parameter that needs the longest
   std::optional<double> input_limit;  ///< SI; inputs beyond it do not reach the plant
-  std::vector<std::string> warnings;
+  std::vector<Told> warnings;
 };
 
 /// Measures and fits. Error (kBadInput): no set point, nothing that moves, too short, set point and input not related.

@@ -27,7 +27,7 @@ TransferModel ModelOf(const TestCylinderOptions& o) {
 TEST(ClosedLoop, TheTruthLiesInsideTheIntervalsAndNearTheValues) {
   const TestCylinderOptions o{.seconds = 40, .seed = 3};
   const auto response = MeasureClosedLoop(RecordOf(o), ModelOf(o));
-  ASSERT_TRUE(response && response->fit) << (response ? response->no_fit : response.error().text);
+  ASSERT_TRUE(response && response->fit) << (response ? response->no_fit.english : response.error().text);
   const TestCylinderTruth truth = TruthOf(o);
   const std::array<double, 5> values = {truth.f_h, truth.zeta_h, truth.f_sv, truth.K_sv, truth.T_d};
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -103,7 +103,7 @@ TEST(ClosedLoop, MoreNoiseAsksForALongerRecord) {
   EXPECT_GT(loud->seconds_needed, 4 * quiet->seconds_needed);
   EXPECT_GT(loud->seconds_needed, 60);
   ASSERT_FALSE(loud->warnings.empty());
-  EXPECT_THAT(loud->warnings.front(), HasSubstr("too short for the precision wanted"));
+  EXPECT_THAT(loud->warnings.front().english, HasSubstr("too short for the precision wanted"));
 }
 
 TEST(ClosedLoop, WhatCannotBeMeasuredIsSaid) {

@@ -121,11 +121,14 @@ Result<LoopSpectra> AverageLoopSpectra(const FrequencyRecord& record, const Loop
                                : std::bit_floor(std::min(std::max<std::size_t>(within, 1), most));
   spectra.segments = SegmentsOf(record, spectra.segment_length);
   if (spectra.segments < kFewestLoopSegments || spectra.segment_length < kShortestLoopSegment) {
-    return BadInput(
+    return BadInput(Tell(
         "the record is too short for averaged spectra: {} segments of {} samples without a gap, at least {} of {} are "
         "needed; record longer{}",
+        "die Aufzeichnung ist zu kurz für gemittelte Spektren: {} Abschnitte von {} Zeilen ohne Lücke, mindestens {} von {} "
+        "sind nötig; länger aufzeichnen{}",
         spectra.segments, spectra.segment_length, kFewestLoopSegments, kShortestLoopSegment,
-        options.segment_length > 0 ? " or give a shorter --segment" : "");
+        options.segment_length > 0 ? Told(" or give a shorter --segment", " oder --segment kürzer wählen")
+                                   : Told()));
   }
   const auto blocks = static_cast<std::size_t>(std::min(kMostLoopBlocks, spectra.segments / 2));
   const std::size_t bins = spectra.segment_length / 2 + 1;

@@ -12,8 +12,9 @@ std::span<const LoopChange> TestCylinderChanges();
 /// A valve or an amplifier that gives out no more than some current.
 inline constexpr LoopChange kValveSaturation = {
     "valve_saturation",
-    "current that the valve follows",
-    "the amplifier or the valve is at its end: excite less, or look at its supply",
+    {"current that the valve follows", "Strom, dem das Ventil folgt"},
+    {"the amplifier or the valve is at its end: excite less, or look at its supply",
+     "Verstärker oder Ventil sind am Anschlag: weniger anregen, oder die Versorgung ansehen"},
     {}};
 
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "page/first_run/log_picture.h"
@@ -21,6 +22,20 @@ const LogColumn* FindColumn(const LogColumns& log, const std::string& reference)
   for (const LogColumn& column : log.columns)
     if (column.reference == reference) return &column;
   return nullptr;
+}
+
+struct Extremes {
+  double low = kNaN, high = kNaN;
+};
+
+/// Of every row that was looked at, as `check` tells them.
+Extremes ExtremesOf(const LogColumn& column) {
+  Extremes extremes;
+  for (const double value : column.value) {
+    extremes.low = std::fmin(extremes.low, value);
+    extremes.high = std::fmax(extremes.high, value);
+  }
+  return extremes;
 }
 
 /// Whether the column's own name says that it is `signal` of a machine of this kind (nullptr: not known): what its name says of the
@@ -73,8 +88,9 @@ nlohmann::json PinJson(const LogColumns& log, const MachineProposal& proposal, c
   const auto show = [&](double raw) {
     return ((raw * spec.scale + spec.offset) * unit.scale + unit.offset) * shown.factor + shown.offset;
   };
-  pin.update({{"low", std::fmin(show(column->low), show(column->high))},
-              {"high", std::fmax(show(column->low), show(column->high))},
+  const Extremes raw = ExtremesOf(*column);
+  pin.update({{"low", std::fmin(show(raw.low), show(raw.high))},
+              {"high", std::fmax(show(raw.low), show(raw.high))},
               {"shown_unit", shown.name}});
   return pin;
 }
@@ -101,11 +117,12 @@ nlohmann::json ColumnsJson(const LogColumns& log, const nlohmann::json& pins) {
     nlohmann::json signal;
     for (const nlohmann::json& pin : pins)
       if (pin["column"] == column.reference) signal = pin["signal"];
+    const Extremes extremes = ExtremesOf(column);
     out.push_back({{"column", column.reference},
                    {"name", column.name},
                    {"unit", column.unit},
-                   {"low", column.low},
-                   {"high", column.high},
+                   {"low", extremes.low},
+                   {"high", extremes.high},
                    {"numeric", column.numeric()},
                    {"thumbnail", ThumbnailJson(column.value, kThumbnailPoints)},
                    {"signal", signal}});

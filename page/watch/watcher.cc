@@ -10,6 +10,7 @@
 #include "alarms/alarm_machine.h"
 #include "alarms/feeds/modbus/tags.h"
 #include "alarms/feeds/sparkplug/tags.h"
+#include "core/effect_units.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "host/real_clock.h"
@@ -251,7 +252,9 @@ Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, std::map<std::str
     for (const AlarmState& alarm : axis->alarms) {
       const AlarmWords& words = alarm.words;
       nlohmann::json json = AlarmJson(machine, alarm);
+      const EffectUnit shown = alarm.unit == "1" ? EffectUnit{100, "%"} : EffectUnitFor(alarm.unit);
       json.update({{"at_rest", AtRest(alarm)},
+                   {"shown", {{"factor", shown.factor}, {"name", shown.name}}},
                    {"raised_time_s", JsonNumber(alarm.raised_time)},
                    {"finding", words.finding.empty() ? alarm.text : words.finding.english},
                    {"evidence", words.evidence.english},

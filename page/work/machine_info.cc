@@ -70,7 +70,8 @@ nlohmann::json MachineInfoJson(const Machine& machine) {
           {"picture", PictureJson(machine)},
           {"parameters", KindParametersJson(kind)},
           {"counted", CountedWordsOf(machine).one},
-          {"states", kind.has_states}};
+          {"states", kind.has_states},
+          {"closed_loop", kind.closed_loop != nullptr}};
 }
 
 }  // namespace hydroscope

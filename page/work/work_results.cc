@@ -7,11 +7,13 @@
 #include "core/effect_units.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
+#include "page/work/loop_results.h"
 #include "page/work/stroke_pictures.h"
 #include "workbench/check_output.h"
 #include "workbench/compare_output.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/fit_output.h"
+#include "workbench/frequency_response/loop_change.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_history_output.h"
 #include "workbench/model/model_output.h"
@@ -61,6 +63,7 @@ Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, S
     return WithText(CheckJson(*check),
                     CheckText(*check, std::filesystem::path(input.machine_file).filename()));
   }
+  if (IsClosedLoop(input.machine_file)) return WorkOutLoop(kind, input);
   if (HasStates(input.machine_file)) return WorkOutStates(kind, input, strokes);
   if (kind == WorkRequest::Kind::kFit) {
     const auto fit = FitLogs(input.logs, input.machine_file, input.hold_out);

@@ -1,6 +1,5 @@
 // Laws as the effect library writes them, drawn as mathematics.
 
-import katex from "katex";
 import { useEffect, useRef } from "preact/hooks";
 
 const functions = new Set(["sign", "max", "min", "exp", "sin", "cos", "play", "abs"]);
@@ -57,12 +56,13 @@ export function texOf(law: string): string {
 export function Formula({ law }: { law: string }) {
   const place = useRef<HTMLSpanElement>(null);
   useEffect(() => {
-    if (!place.current) return;
-    try {
-      katex.render(texOf(law), place.current, { output: "mathml", throwOnError: true });
-    } catch {
-      place.current.textContent = law;
-    }
+    let wanted = true;
+    const draw = async () => {
+      const { default: katex } = await import("katex");  // as large as the rest of the page, which need not wait for it
+      if (wanted && place.current) katex.render(texOf(law), place.current, { output: "mathml", throwOnError: true });
+    };
+    draw().catch(() => { if (wanted && place.current) place.current.textContent = law; });
+    return () => { wanted = false; };
   }, [law]);
   return <span class="formula" ref={place} />;
 }

@@ -24,6 +24,7 @@ interface Props {
   shades?: Shade[];  // stretches of x
   levels?: Level[];  // across, which the picture has room for
   view?: { current: PlotView | null };
+  logX?: boolean;
 }
 
 /** A colour of the page, by its name in style.css. */
@@ -38,6 +39,9 @@ function axis(label: string, size: number): uPlot.Axis {
   return { label, size, labelSize: 20, stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui",
     labelFont: "12px system-ui", values: (_, splits) => splits.map((value) => short(value, 4)) };
 }
+
+/** Of a scale of logarithms: 1, 2, 5, 10, 20 ... */
+export const isRound = (value: number | null) => value !== null && /^[125]e/.test(Number(value.toPrecision(3)).toExponential());
 
 function drawShades(plot: uPlot, shades: Shade[]) {
   plot.ctx.save();
@@ -69,7 +73,7 @@ function withRoom(low: number | null, high: number | null, levels: Level[]): [nu
   return [a - 0.08 * (b - a || 1), b + 0.08 * (b - a || 1)];
 }
 
-export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades, levels, view }: Props) {
+export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades, levels, view, logX }: Props) {
   const shown = useRef<uPlot | null>(null), across = useRef<Level[]>([]);
   across.current = levels ?? [];
   useEffect(() => shown.current?.redraw(false), [JSON.stringify(levels)]);
@@ -80,8 +84,8 @@ export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, s
     const draw = () => {
       const plot = new uPlot({
         width: Math.max(200, place.clientWidth), height,
-        scales: { x: { time: false }, ...(levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
-        axes: [axis(xLabel, 34), { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
+        scales: { x: { time: false, ...(logX ? { distr: 3 as const } : {}) }, ...(levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
+        axes: [{ ...axis(xLabel, 34), ...(logX ? { values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
         series: [{ label: xLabel }, ...lines.map((line) => ({
           label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined, spanGaps: line.sparse,
           points: { show: false },

@@ -5,10 +5,12 @@ import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./
 import { knowEffects } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
 import { shareOfVariation } from "./units";
-import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
+import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, LoopChanges, LoopResult, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
 type Kind = keyof Results;
+/** The same of a machine in closed loop. */
+export const ofLoop = (results: Results) => ({ response: results.compare as unknown as LoopResult | undefined, changes: results.explain as unknown as LoopChanges | undefined });
 const kinds: Kind[] = ["compare", "check", "picture", "explain"];  // what takes longest last
 
 interface State {
@@ -67,19 +69,19 @@ async function sessionNow(): Promise<Session> {
   return session;
 }
 
-async function fetchResult(kind: Kind, version: number) {
-  const result = await find<never>("results", { kind, version });
-  if (!result || state.session?.machine?.version !== version) return;
-  withShares(result);
-  set({ results: { ...state.results, [kind]: result } });
-}
-
 /** Everything that is not worked out yet for the version in force is. */
 async function workOut(kind: Kind, version: number) {
   try {
-    if (!(await find("results", { kind, version }))) await work(kind);
-    await fetchResult(kind, version);
-    if (kind === "compare") set({ session: await sessionNow() });  // the errors of this version
+    const known = () => find<{ unit?: string }>("results", { kind, version });
+    let result = await known();
+    if (!result) {
+      await work(kind);
+      result = await known();
+    }
+    if (!result || state.session?.machine?.version !== version) return;
+    set({ results: { ...state.results, [kind]: withShares(result) } });
+    const judged = state.session.versions.find((one) => one.current);
+    if (kind === "compare" && judged?.rms_holdout === null) set({ session: await sessionNow() });  // which tells the errors of this version
   } catch (caught) {
     set({ failed: { ...state.failed, [kind]: failureOf(caught) } });
   }
@@ -99,10 +101,10 @@ export async function refresh(): Promise<void> {
   shown = now;
   set({ session, results: {}, failed: {} });
   if (!session.machine || now === "") return;
+  for (const kind of kinds) void workOut(kind, session.machine.version);
   const { effects } = await get<{ effects: Effect[] }>("effects");
   knowEffects(effects);
   set({ effects });
-  for (const kind of kinds) void workOut(kind, session.machine.version);
 }
 
 type Hearer = (event: Record<string, unknown>) => void;

@@ -3,6 +3,7 @@
 
 import { useContext } from "preact/hooks";
 import { isEffect, titleOf, withTitles } from "./effect_titles";
+import { kept } from "./units";
 import { LanguageContext, type Language } from "./words";
 
 /** Something with sentences under these keys, and the same in German. */
@@ -11,7 +12,7 @@ export type Telling<K extends string> = Record<K, string> & { german?: Partial<R
 export type Tell = <K extends string>(of: Telling<K>, what: K) => { text: string; lang?: "en" };
 
 /** As people print it: a terminal has no arrows. */
-const printed = (sentence: string, language: Language) => withTitles(sentence, language).replace(/ -> /g, " → ");
+const printed = (sentence: string, language: Language) => kept(withTitles(sentence, language).replace(/ -> /g, " → ").replace(/(?<=\d m)[23](?=\/)/g, (power) => (power === "2" ? "²" : "³")));
 
 /** A sentence, with the language to say of it where it is not that of the page. */
 export function useTold(): Tell {

@@ -17,7 +17,7 @@ export interface Version {
 
 export interface MachineInfo {
   name: string; title: string; version: number; effects: string[]; output: string; stroke: string; counted: "stroke" | "episode"; sign: string;
-  states: boolean; suggested_file: string; signals: string[]; own_effects: string[];
+  states: boolean; closed_loop: boolean; suggested_file: string; signals: string[]; own_effects: string[];
   german: { title: string; output: string; stroke: string; sign: string }; picture: Picture;
   parameters: Record<string, { symbol: string; meaning: string; shown: Unit | null; german: { meaning: string } }>;
 }
@@ -79,6 +79,22 @@ export interface CompareResult {
   rms_measured: number; rms_residual: number; noise_floor: number; rms_holdout: number; residual_percent: number; unit: string;
   strokes: number; verdict: string | null; model_error_seen: boolean | null; warnings: string[]; per_stroke: StrokeError[];
   free_run_bar: number | null; free_run_percent: number | null; located: Located[]; maps: ErrorMap[]; parameters: Parameters; text: string;
+}
+
+/** Of a machine in closed loop: its response (gain in dB, phase in degrees) at some frequencies. */
+export interface LoopResult {
+  set_point: string; input: string; output: string; seconds: number; warnings: string[]; model_reason?: string; german?: { warnings: string[]; model_reason?: string };
+  model: Record<string, { value: number; std: number; unit: string }> | null; text: string;
+  response: { f_hz: number[]; gain: number[]; gain_half: number[]; phase: number[]; phase_half: number[]; model_gain?: number[]; model_phase?: number[]; before_gain?: number[]; before_phase?: number[] };
+}
+/** Changes that together lead from before to now: factors, of delays seconds. */
+export interface LoopSet { set: string[]; parameters: Record<string, { value: number; std: number; unit: string }> }
+export interface LoopChanges {
+  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; changes: LoopSet["parameters"]; others: LoopSet[]; imitators: LoopSet[];
+  ranking: { effect: string; chi_squared: number; parameters: LoopSet["parameters"] }[]; input_limit: number | null;
+  parameters: Record<string, { before: { value: number; std: number }; after: { value: number; std: number }; unit: string; change: number; relative: boolean }>;
+  known: Record<string, { quantity: string; sentence: string; german: { quantity: string; sentence: string } }>;
+  warnings: string[]; german?: { warnings: string[] }; text: string;
 }
 
 export interface Ranked {

@@ -85,13 +85,26 @@ export function shownNumber<T extends number | null>(value: T, name: string): T 
   return (value === null ? null : value * unit.factor + unit.offset) as T;
 }
 
+const tie = "\u202f";  // a narrow space at which no line breaks
+
+/** A number with its unit, in one line. */
+export const withUnit = (number: string, unit: string) => (unit ? `${number}${tie}${unit}` : number);
+
+const named = /(?<=\d) (?=(?:%|°|(?:[kMG]?Pa|bar|psi|[lm]|l\/min|m[ms³²]?|mm\/s|cm[²³]?|gal|[kM]?N|k?Hz|m?s|min|h|m?[AV]|K|kg|rad|dB|[kMGT]B)(?![\wäöüß'(])))/g;
+
+/** A sentence in which numbers keep to their units. */
+export const kept = (sentence: string) => sentence.replace(named, tie).replace(/± (?=\d)/g, `±${tie}`);
+
 /** "12.3 MPa" of a number that the program gives in bar. */
 export function amount(value: number | null | undefined, name: string, digits = 3): string {
-  return value === null || value === undefined ? "–" : `${short(shownNumber(value, name), digits)} ${nameOf(name)}`.trim();
+  return value === null || value === undefined ? "–" : withUnit(short(shownNumber(value, name), digits), nameOf(name));
 }
 
 /** The name of the unit chosen for one of this name; "" of a plain number. */
 export const nameOf = (name: string) => unitName(shownUnit(name));
+
+/** "10,000,000" */
+export const grouped = (count: number) => count.toLocaleString(comma ? "de" : "en");
 
 const written = (number: string) => (comma ? number.replace(".", ",") : number);
 
@@ -119,16 +132,18 @@ export function unitName(unit: { name: string }): string {
   return comma ? germanParts.reduce((text, [english, german]) => text.replace(english, german), name) : name;
 }
 
-/** "12202 ± 424 bar": the half width of the 95 % interval, both with its two digits. */
+/** "12202 ± 424", "(4.51 ± 0.03)e-12": the half width of the 95 % interval with two digits, the value with as many decimals. */
+export function halfText(value: number, half: number | null): string {
+  if (half === null || !Number.isFinite(half) || !(half > 0)) return short(value, 4);
+  const exponent = Math.floor(Math.log10(Math.max(Math.abs(value), half)));
+  const scale = exponent < -3 || exponent > 6 ? 10 ** exponent : 1;
+  const decimals = Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(half / scale))));
+  const numbers = `${written((value / scale).toFixed(decimals))} ±${tie}${written((half / scale).toFixed(decimals))}`;
+  return scale === 1 ? numbers : `(${numbers})e${exponent}`;
+}
+
+/** "12202 ± 424 bar" */
 export function withInterval(parameter: Parameter, units: Units): string {
   const unit = unitOf(units, parameter.unit);
-  const value = parameter.value * unit.factor + unit.offset;
-  const name = unitName(unit);
-  if (parameter.std === null || !Number.isFinite(parameter.std)) return `${short(value)} ${name}`.trim();
-  const half = 1.96 * parameter.std * unit.factor;
-  const exponent = Math.floor(Math.log10(Math.max(Math.abs(value), half, 1e-300)));
-  const scale = exponent < -3 || exponent > 6 ? 10 ** exponent : 1;
-  const decimals = half > 0 ? Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(half / scale)))) : 3;
-  const numbers = `${written((value / scale).toFixed(decimals))} ± ${written((half / scale).toFixed(decimals))}`;
-  return `${scale === 1 ? numbers : `(${numbers})e${exponent}`} ${name}`.trim();
+  return withUnit(halfText(parameter.value * unit.factor + unit.offset, parameter.std === null ? null : 1.96 * parameter.std * unit.factor), unitName(unit));
 }

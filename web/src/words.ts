@@ -2,6 +2,7 @@
 
 import { createContext, createElement, type ComponentChildren } from "preact";
 import { useContext, useMemo } from "preact/hooks";
+import { kept } from "./units";
 import { de } from "./words/de";
 import { en, type Words } from "./words/en";
 
@@ -27,13 +28,13 @@ export function sayIn(language: Language, counted: Counted = "stroke"): Say {
     const [stroke, episode = stroke] = written.split("|");
     return counted === "episode" ? episode : stroke;
   };
-  return (key, values = {}) => (words[key] ?? String(key).replace(/^[a-z]+_/, "").replace(/_/g, " "))
+  return (key, values = {}) => kept((words[key] ?? String(key).replace(/^[a-z]+_/, "").replace(/_/g, " "))
     .replace(/\{(\w+)\}( [^{}<>]*)<([^>]*\/[^>]*)>/g, (_, name: string, between: string, written: string) => {
       const [one, many] = chosen(written).split("/");
       return `${values[name] ?? ""}${between}${String(values[name]) === "1" ? one : many}`;
     })
     .replace(/<([^|>]*\|[^>]*)>/g, (_, written: string) => chosen(written))
-    .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
+    .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? "")));
 }
 
 export const WordsContext = createContext<Say>(sayIn("en"));

@@ -79,4 +79,7 @@ export async function assertAccessible(page, where) {
 export async function assertFits(page, where) {
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert.ok(wide <= 0, `${where} is ${wide} pixels wider than the window`);
+  const small = await page.evaluate(() => (innerWidth > 720 ? [] : [...document.querySelectorAll("button:not(.cell), select, summary, input:not([type=range], [type=checkbox], [type=radio])")]
+    .filter((field) => field.offsetParent !== null && field.getBoundingClientRect().height < 32).map((field) => field.textContent || field.name)));
+  assert.deepEqual(small, [], `${where}: too small for a finger`);
 }

@@ -77,10 +77,10 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   await page.waitForSelector("text=/ 1 episode inside/");  // one, in words
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
-  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+ %;/);
+  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+\s%;/);
   await page.goto(`${address}#step=locate`);
   await page.waitForSelector(".heat .cell");
-  assert.match(await page.locator(".centre").innerText(), /The map is flat: [^]*Of (outlet_pressure|control_pressure|control_position); these signals predict 0 %/);
+  assert.match(await page.locator(".centre").innerText(), /The map is flat: [^]*Of (outlet_pressure|control_pressure|control_position); these signals predict 0\s%/);
 });
 
 test("the kind is chosen where columns say nothing; picture, sensors and words follow, and pins keep what they are given", async (t) => {
@@ -122,6 +122,34 @@ test("the kind is chosen where columns say nothing; picture, sensors and words f
   await assertFits(page, "chosen kind");
 });
 
+test("a test cylinder is judged by its frequency response: what changed from the references of its file, and from an earlier log", async (t) => {
+  for (const [name, words] of [["march", []], ["today", ["--valve", "38", "--seed", "2"]]]) run(["simulate", "test-cylinder", "--out", `${name}.csv`, "--seconds", "20", ...words], place.path);
+  const { page, address } = await visitIn(place.path, t, ["march.csv", "today.csv", "--machine", join(machines, "test_cylinder.toml")]);
+  const gain = async () => Number((await page.locator("[data-change=valve_gain]").innerText()).match(/Flow gain of the valve: ([\d.]+) ±\s[\d.]+ times/i)[1]);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas");
+  await page.waitForSelector("[data-verdict=named]");
+  assert.ok(Math.abs(await gain() - 2.017) < 0.1);
+  await page.selectOption("select[name=hold-out]", "march.csv");
+  await page.waitForSelector("text=Compared with: march.csv");
+  await page.waitForSelector("[data-verdict=named]");
+  assert.ok(Math.abs(await gain() - 2.014) < 0.1);
+  const changes = await (await fetch(`${address}api/v1/results?kind=explain&version=1`)).json();
+  assert.match(changes.text, /What changed from march.csv to today.csv[^]*named: valve_gain/, "as the command line prints it, without folders");
+  await until(page, () => [...document.querySelectorAll(".centre td")].some((cell) => /^\+10[0-3]\s%$/.test(cell.textContent)));
+  await assertAccessible(page, "closed loop, compare");
+  for (const [step, there] of [["check", ".machine .mark"], ["locate", ".plot canvas"], ["add", ".centre h1"], ["confirm", ".centre tbody tr"], ["promote", ".promote"]]) {
+    await page.goto(`${address}#step=${step}`);
+    await page.waitForSelector(`.centre ${there.replace(".centre ", "")}`);
+    assert.equal(await page.locator(".problem").count(), 0, step);
+    await assertAccessible(page, `closed loop, ${step}`);
+  }
+  await page.selectOption("select[name=hold-out]", "today.csv");  // the other way round
+  await page.waitForSelector("text=Compared with: today.csv");
+  await page.waitForSelector("[data-verdict=named]");
+  assert.ok(Math.abs(await gain() - 0.497) < 0.03);
+});
+
 test("a balance of one's own is written over the columns of a log, checked, and worked on", async (t) => {
   let seed = 5;
   const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647 - 0.5;
@@ -148,6 +176,22 @@ test("a balance of one's own is written over the columns of a log, checked, and 
   await assertAccessible(page, "balance");
   await page.click("button.primary");
   await page.waitForSelector("[data-verdict]");
-  assert.match((await errorsOfVersions(page))[0], / N$/);
+  assert.match((await errorsOfVersions(page))[0], /\sN$/);
   assert.match(await (await fetch(`${address}api/v1/machine`)).text(), /\[balance\][^]*A = /);
+});
+
+test("a machine that is no cushion shows its own picture, one of one's own its signals", async (t) => {
+  const { page, address } = await visitIn(place.path, t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
+  await page.goto(`${address}#step=check`);
+  await page.waitForSelector(".machine [data-mark=shaft_speed]");
+  assert.equal(await page.locator(".machine .mark").count(), 5);
+  assert.equal(await page.locator(".machine .part circle").count() > 0, true, "the drawing is there");
+
+  writeFileSync(join(place.path, "force.csv"), ["t,F,p_A,z"].concat(Array.from({ length: 400 }, (_, k) => `${k * 0.01},${1000 + 10 * Math.sin(k / 9)},${1e6 + 1e4 * Math.sin(k / 9)},${0.1 + 0.05 * Math.cos(k / 9)}`)).join("\n"));
+  const own = await visit(t);
+  await own.page.goto(own.address);
+  await dropped(own.page, "force.csv");
+  await own.page.waitForSelector(".machine [data-mark=p_A]");
+  const side = (name) => own.page.locator(`[data-mark=${name}] rect`).evaluate((box) => Number(box.getAttribute("x")));
+  assert.ok(await side("p_A") < await side("F"), "what is explained stands right");
 });

@@ -11,12 +11,14 @@ import { browser, folder, open, run, serve } from "./program.mjs";
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
 const liveMachine = fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url));
+const cylinderMachine = fileURLToPath(new URL("../../machines/test_cylinder.toml", import.meta.url));
 const pumpMachine = fileURLToPath(new URL("../../machines/pump.toml", import.meta.url));
 mkdirSync(out, { recursive: true });
 const place = folder();
 run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
 run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
 run(["simulate", "pump", "--out", "pump.csv"], place.path);
+run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], place.path);
 
 makeHistory(place.path);
 addValveChecks(place.path);
@@ -182,6 +184,14 @@ async function take(name, viewport, colorScheme, locale) {
     await shoot(page, `states-${step}`);
   }
   await pump.stop();
+  const cylinder = await open(["cylinder.csv", "--machine", cylinderMachine], place.path);
+  for (const step of ["compare", "locate"]) {
+    await page.goto(`${cylinder.address}#step=${step}`);
+    await page.waitForSelector("[data-verdict]");
+    await page.waitForSelector(".centre .plot canvas");
+    await shoot(page, `loop-${step}`);
+  }
+  await cylinder.stop();
   const alone = await open(["pump.csv"], place.path);
   await page.goto(alone.address);
   await page.waitForSelector(".machine [data-mark=shaft_speed]");

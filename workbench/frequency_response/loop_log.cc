@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "estimation/closed_loop/loop_episodes.h"
 #include "models/closed_loop.h"
 
@@ -17,18 +18,18 @@ Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, 
   as_known.known = ReferencesOf(machine);
   auto response = MeasureClosedLoop(log->record, model, as_known);
   if (!response) {
-    Error error = response.error();
-    error.text = fmt::format("{}: {}", path, error.text);
-    if (log->left_out > 0)
-      error.text +=
-          fmt::format("; {} of {} rows were left out ({})", log->left_out, log->rows, log->left_out_why);
-    return tl::unexpected(error);
+    const Told left_out = log->left_out > 0 ? Tell("; {} of {} rows were left out ({})",
+                                                   "; {} von {} Zeilen wurden ausgelassen ({})",
+                                                   log->left_out, log->rows, log->left_out_why)
+                                            : Told();
+    const Told why = Tell("{}: {}{}", "{}: {}{}", path, ToldOf(response.error()), left_out);
+    return tl::unexpected(Error{response.error().kind, why.english, why.german});
   }
   return LoopLog{path, std::move(*log), std::move(model), std::move(*response)};
 }
 
-std::vector<std::string> OutsideLimits(const Machine& machine, const LoopResponse& response) {
-  std::vector<std::string> outside;
+std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& response) {
+  std::vector<Told> outside;
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
   for (std::size_t i = 0; i < response.parameters.size(); ++i) {
     const LoopParameter& parameter = plant.parameters[i];
@@ -36,15 +37,17 @@ std::vector<std::string> OutsideLimits(const Machine& machine, const LoopRespons
                                      [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
     if (limits == machine.monitors.end()) continue;
     const double value = response.parameters[i].value;
-    const auto say = [&](const std::optional<double>& limit, bool below, const char* what) {
+    const auto say = [&](const std::optional<double>& limit, bool below, const Wording& what) {
       if (!limit || (below ? value >= *limit : value <= *limit)) return false;
-      outside.push_back(fmt::format("{} is {:.4g} {}, {} {:.4g} of the machine file", parameter.name,
-                                    value * parameter.factor, parameter.unit, what,
-                                    *limit * parameter.factor));
+      outside.push_back(Tell("{} is {:.4g} {}, {} {:.4g} of the machine file",
+                             "{} ist {:.4g} {}, {} {:.4g} der Maschinendatei", parameter.name,
+                             value * parameter.factor, parameter.unit, what, *limit * parameter.factor));
       return true;
     };
-    say(limits->alarm_low, true, "below alarm_low") || say(limits->warn_low, true, "below warn_low");
-    say(limits->alarm_high, false, "above alarm_high") || say(limits->warn_high, false, "above warn_high");
+    say(limits->alarm_low, true, {"below alarm_low", "unter alarm_low"}) ||
+        say(limits->warn_low, true, {"below warn_low", "unter warn_low"});
+    say(limits->alarm_high, false, {"above alarm_high", "über alarm_high"}) ||
+        say(limits->warn_high, false, {"above warn_high", "über warn_high"});
   }
   return outside;
 }

@@ -22,6 +22,6 @@ Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine,
                                const LoopOptions& options = {});
 
 /// What the machine file's [monitor] limits say of the parameters found, a sentence each.
-std::vector<std::string> OutsideLimits(const Machine& machine, const LoopResponse& response);
+std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& response);
 
 }  // namespace hydroscope

@@ -5,7 +5,7 @@ import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
 import type { Balance, GateBound, LogPicture, Pin, Proposal } from "../types";
 import { Told, ToldList, useTold } from "../told";
-import { amount, short, shownNumber } from "../units";
+import { amount, short, shownNumber, withUnit } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { BalanceEditor } from "./balance";
@@ -28,7 +28,7 @@ interface Request {
 
 export function duration(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "?";
-  return seconds < 120 ? `${short(seconds)} s` : seconds < 7200 ? `${short(seconds / 60)} min` : `${short(seconds / 3600)} h`;
+  return seconds < 120 ? withUnit(short(seconds), "s") : seconds < 7200 ? withUnit(short(seconds / 60), "min") : withUnit(short(seconds / 3600), "h");
 }
 
 /** The pins with one of them changed; a column is on one pin only. */

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { KnownSize } from "../types";
 import { Told } from "../told";
-import { inChosen, short, unitName } from "../units";
+import { inChosen, short, unitName, withUnit } from "../units";
 import { useWords } from "../words";
 
 /** What a machine has to be known by, and what may be known of it, as data sheets give it. */
@@ -25,7 +25,7 @@ export function isOdd(size: KnownSize, value: number | null): boolean {
 /** A value (SI) in the unit in which it is asked for. */
 export function sizeText(size: KnownSize, si: number): string {
   const unit = inChosen(size.unit);
-  return `${short(si * unit.factor + unit.offset)} ${unitName(unit)}`.trim();
+  return withUnit(short(si * unit.factor + unit.offset), unitName(unit));
 }
 
 function Size({ size, set }: { size: KnownSize; set: (value: number | null) => void }) {

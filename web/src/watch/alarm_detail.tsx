@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { get, post } from "../api";
 import { Problem, useAttempt } from "../failure";
 import { useStore } from "../store";
+import { useTyped } from "../typed";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
 import { useWords } from "../words";
@@ -23,7 +24,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
   const { session } = useStore();
   const [rows, setRows] = useState<JournalRow[]>([]);
   const [who, setWho] = useState(localStorage.getItem("who") ?? user);
-  const [comment, setComment] = useState("");
+  const [comment, setComment] = useTyped(`alarm comment ${alarm.machine}/${alarm.alarm}`);
   const [seconds, setSeconds] = useState<number>(shelves[0][1]);
   const { busy, problem, attempt } = useAttempt();
   useEffect(() => {
@@ -57,7 +58,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
       </dl>
       {has_strokes && <div class="no-print jump">
         <button onClick={toTrend}>{say("jumpTrend", { from: alarm.first_stroke, to: alarm.last_stroke })}</button>
-        {" "}<ToWorkbench machine={alarm.machine} first={alarm.first_stroke} last={alarm.last_stroke} />
+        <ToWorkbench machine={alarm.machine} first={alarm.first_stroke} last={alarm.last_stroke} />
         <StrokePicture machine={alarm.machine} stroke={alarm.last_stroke} title={say("jumpStroke", { stroke: alarm.last_stroke })} />
       </div>}
       {!session?.changes ? <p class="no-print buttons">{session?.user ? say("onlyView") : <button class="primary" onClick={() => setUrl({ view: "login" })}>{say("loginToActOn")}</button>} <button onClick={() => print()}>{say("printOrder")}</button></p> : <div class="no-print act">

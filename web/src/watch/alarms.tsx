@@ -27,9 +27,7 @@ export function sinceText(alarm: Alarm, say: Say): string {
 /** Size in the alarm's own unit; where that has no name people know, the finding tells it. */
 export function sizeText(alarm: Alarm): string {
   if (alarm.value === null || alarm.unit === "") return "–";
-  const [factor, name] = alarm.unit === "Pa" ? [1e-5, "bar"] : alarm.unit === "m3" ? [1e3, "l"] : alarm.unit === "m3/s" ? [6e4, "l/min"]
-    : alarm.unit === "m3/(s Pa)" ? [6e9, "l/min per bar"] : alarm.unit === "1" ? [100, "%"] : [1, alarm.unit];
-  return amount(alarm.value * factor, name);
+  return amount(alarm.value * alarm.shown.factor, alarm.shown.name);
 }
 
 function keyOf(alarm: Alarm, column: Column): string | number {

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Problem, useAttempt } from "../failure";
 import { useStore, work } from "../store";
+import { useTyped } from "../typed";
 import { useUrl } from "../url_state";
 import { WholeNumber } from "../whole_number";
 import { Told } from "../told";
@@ -48,7 +49,7 @@ export function Learn({ overview }: { overview: Overview }) {
         <label>{say("learnLast")} <WholeNumber name="learn-last" min={from} max={strokes - 1} value={to - 1} take={(last) => look(from, last + 1)} /></label>
         <button onClick={() => look(0, strokes)} disabled={to - from === strokes}>{say("everything")}</button>
       </div>
-      <Problem of={problem} />
+      <Problem of={overview.problem ? null : problem} />
       <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} ahead={ahead} height={260} />}</div>
       <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say("trendKeys")}</p>
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />
@@ -66,13 +67,15 @@ function LearnForm({ machine, from, to, asksWho, user }: { machine: string; from
   const [looked, setLooked] = useState<Learning | null>(null);
   const { busy, problem, attempt } = useAttempt();
   const [insist, setInsist] = useState(false);
-  const [comment, setComment] = useState("");
+  const [comment, setComment] = useTyped(`learn comment ${machine}`);
   const [who, setWho] = useState(localStorage.getItem("who") ?? user);
   useEffect(() => { setLooked(null); setInsist(false); }, [from, to]);
   const ask = (only_look: boolean) => attempt(async () => {
     await work("learn", { machine, first: from, last: to - 1, only_look, insist, comment, user: who }, "watch/learning");
     setLooked((await find<{ learning: Learning | null }>("watch/learning", { machine }))?.learning ?? null);
-    if (!only_look) await refreshWatch(true);
+    if (only_look) return;
+    setComment("");
+    await refreshWatch(true);
   });
   const here = looked !== null && looked.first === from && looked.last === to - 1 ? looked : null;
   const may = here !== null && here.learned === null && (!here.refused || (insist && comment.trim() !== ""));

@@ -1,7 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { pageColor } from "../plot";
-import { nameOf, short, shownNumber, unitsKey } from "../units";
+import { nameOf, short, shownNumber, unitName, unitsKey } from "../units";
 import { useWords } from "../words";
 import { inUnit, symbolOf } from "./shown";
 import type { MaybeNumber, Trend, WatchedUnit } from "./watch_types";
@@ -30,7 +30,7 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
     const draw = () => new uPlot({
       width: Math.max(240, place.clientWidth), height, scales: { x: { time: false } },
       axes: [{ ...look, size: 40, label: `${say("oil")} (${nameOf("°C")})`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
-        { ...look, size: 62, label: `${symbolOf(unit)}${unit.name ? ` (${unit.name})` : ""}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
+        { ...look, size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
       series: [{}, { paths: () => null, points: { show: true, size: 5, fill: pageColor("--line-a"), stroke: pageColor("--line-a") } },
         { stroke: "transparent", spanGaps: true, points: { show: false } }, { stroke: "transparent", spanGaps: true, points: { show: false } },
         { stroke: pageColor("--good"), width: 1.8, dash: [6, 4], spanGaps: true, points: { show: false } }],

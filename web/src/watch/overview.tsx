@@ -3,7 +3,7 @@ import { find } from "../api";
 import { titleOf } from "../effect_titles";
 import { Plot, pageColor } from "../plot";
 import { Told, useTold } from "../told";
-import { amount, inChosen, unitName } from "../units";
+import { amount, inChosen, unitName, grouped, withUnit } from "../units";
 import { useUrl } from "../url_state";
 import { CountedIn, LanguageContext, useWords } from "../words";
 import type { Words } from "../words/en";
@@ -43,8 +43,8 @@ function Against({ parameter }: { parameter: WatchedParameter }) {
   if (!reference) return <small class="quiet">{say("noReference")}</small>;
   const factor = parameter.unit.factor;
   const size = reference.percent !== null
-    ? `${reference.percent >= 0 ? "+" : ""}${interval(reference.percent, (reference.percent_std ?? 0))} %`
-    : `${(reference.deviation ?? 0) * factor >= 0 ? "+" : ""}${interval((reference.deviation ?? 0) * factor, (reference.std ?? 0) * Math.abs(factor))} ${unitName(parameter.unit)}`;
+    ? withUnit(`${reference.percent >= 0 ? "+" : ""}${interval(reference.percent, (reference.percent_std ?? 0))}`, "%")
+    : withUnit(`${(reference.deviation ?? 0) * factor >= 0 ? "+" : ""}${interval((reference.deviation ?? 0) * factor, (reference.std ?? 0) * Math.abs(factor))}`, unitName(parameter.unit));
   return <span class={reference.moved ? "moved" : "quiet"}>{reference.moved && <b>▲ {say("moved")} </b>}{size}</span>;
 }
 
@@ -74,7 +74,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
       <h2>{machine.machine}</h2>
       <HealthBadge health={machine.health} />
       <p class="facts-line">
-        {say("strokesCount", { count: machine.strokes.toLocaleString() })}
+        {say("strokesCount", { count: grouped(machine.strokes) })}
         {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
         {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
         {machine.effects.length > 0 && <> · <span>+ {machine.effects.map((effect) => titleOf(effect, language)).join(" + ")}</span></>}

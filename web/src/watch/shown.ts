@@ -1,7 +1,7 @@
 // Numbers and times of the database as people read them.
 
 import { parameterName } from "../effect_titles";
-import { short, unitName } from "../units";
+import { halfText, unitName, withUnit } from "../units";
 import { pageLanguage } from "../words";
 import type { MaybeNumber, WatchedUnit } from "./watch_types";
 
@@ -9,20 +9,13 @@ export function inUnit(value: MaybeNumber | undefined, unit: WatchedUnit): Maybe
   return value === null || value === undefined ? null : value * unit.factor + unit.offset;
 }
 
-/** "12202 ± 424": the half width of the 95 % interval with two digits, the value with as many decimals. */
+/** "12202 ± 424" of a value and its standard deviation; "–" where it is not known. */
 export function interval(value: MaybeNumber | undefined, std: MaybeNumber | undefined): string {
-  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  if (std === null || std === undefined || !(std > 0)) return short(value, 4);
-  const half = 1.96 * std;
-  const decimals = Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(half))));
-  const comma = short(1.5).includes(",");
-  const written = (n: number) => (comma ? n.toFixed(decimals).replace(".", ",") : n.toFixed(decimals));
-  return `${written(value)} ± ${written(half)}`;
+  return value === null || value === undefined || !Number.isFinite(value) ? "–" : halfText(value, std === null || std === undefined ? null : 1.96 * std);
 }
 
 export function ofParameter(value: MaybeNumber | undefined, std: MaybeNumber | undefined, unit: WatchedUnit): string {
-  const text = interval(inUnit(value, unit), std === null || std === undefined ? null : std * Math.abs(unit.factor));
-  return `${text} ${unitName(unit)}`.trim();
+  return withUnit(interval(inUnit(value, unit), std === null || std === undefined ? null : std * Math.abs(unit.factor)), unitName(unit));
 }
 
 export const celsius = (kelvin: MaybeNumber) => (kelvin === null ? null : kelvin - 273.15);
@@ -36,9 +29,11 @@ export function dateText(seconds: number): string {
 /** Whether a time counts from 1970 rather than from the begin of a log. */
 export const isDate = (seconds: MaybeNumber): seconds is number => seconds !== null && seconds > 1e9;
 
-/** "Q_{vn}" as the page writes it. */
+const greek: Record<string, string> = { alpha: "α", beta: "β", delta: "δ", Delta: "Δ", eta: "η", kappa: "κ", mu: "μ", omega: "ω", phi: "φ", rho: "ρ", sigma: "σ", tau: "τ", theta: "θ", zeta: "ζ" };
+
+/** "Q_{vn}", "\\zeta_h" as the page writes them. */
 export function plainSymbol(symbol: string): string {
-  return symbol.replace(/[{}]/g, "");
+  return symbol.replace(/\\(\w+?)(?![a-z])/g, (_, name: string) => greek[name] ?? name).replace(/[{}]/g, "");
 }
 
 /** What a parameter is called: its symbol, of an effect its title. */

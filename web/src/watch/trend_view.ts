@@ -3,7 +3,7 @@
 
 import uPlot from "uplot";
 import { pageColor } from "../plot";
-import { amount, short } from "../units";
+import { amount, grouped, short, unitName } from "../units";
 import type { Say } from "../words";
 import { CourseStrip } from "./course_strip";
 import { dateText, inUnit, ofParameter, symbolOf } from "./shown";
@@ -126,8 +126,8 @@ export class TrendView {
       scales: { x: { time: axis === "time", ...this.chosen() }, y: { range: (_, low, high) => this.heights.range(low, high) } },
       axes: [
         { ...look_of, size: 46, space: 96, label: axis === "time" ? undefined : say("stroke"), labelSize: 18,
-          values: (_, ticks, _a, _s, step) => (axis === "time" ? tickTexts(ticks, step) : ticks.map((tick) => tick.toLocaleString())) },
-        { ...look_of, size: 62, label: `${symbolOf(unit)}${unit.name ? ` (${unit.name})` : ""}`, labelSize: 20, values: (_, ticks) => ticks.map((tick) => short(tick, 5)) },
+          values: (_, ticks, _a, _s, step) => (axis === "time" ? tickTexts(ticks, step) : ticks.map((tick) => grouped(tick))) },
+        { ...look_of, size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((tick) => short(tick, 5)) },
       ],
       series: [{}, none, none, none, none,
         { ...none, stroke: pageColor("--line-a"), points: { show: () => this.courses.x.length < 80, size: 5 } }, none],

@@ -2,6 +2,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get } from "../api";
 import { failureOf, Problem, type Failure } from "../failure";
 import { pageColor } from "../plot";
+import { grouped } from "../units";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
 import { useWords } from "../words";
@@ -135,9 +136,9 @@ export function Trends({ overview }: { overview: Overview }) {
       <fieldset class="choose"><legend>{say("parameters")}</legend>
         {known.map((p) => <label key={p.parameter} title={p.unit.meaning}><input type="checkbox" name={`p-${p.parameter}`} checked={parameters.includes(p.parameter)} onChange={(e) => choose(p.parameter, e.currentTarget.checked)} /> {symbolOf(p.unit)}</label>)}
       </fieldset>
-      <Problem of={problem} />
+      <Problem of={overview.problem ? null : problem} />
       <p class="quiet" role="status">
-        {say("strokesOf", { from: from.toLocaleString(), to: (to - 1).toLocaleString(), count: strokes.toLocaleString() })}
+        {say("strokesOf", { from: grouped(from), to: grouped(to - 1), count: grouped(strokes) })}
         {trends[0] && isDate(trends[0].bins.begin_s[0]) && <> · {dateText(placeOf(from, trends[0], "time"))} – {dateText(placeOf(to - 1, trends[0], "time"))}</>}
         {trends.some((t) => !t.exact) ? ` · ${say("trendGlance")}` : late ? ` · ${say("loading")}` : ""}
       </p>

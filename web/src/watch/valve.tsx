@@ -2,7 +2,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { find, post } from "../api";
 import { Problem, useAttempt } from "../failure";
-import { pageColor } from "../plot";
+import { isRound, pageColor } from "../plot";
 import { useStore } from "../store";
 import { Told } from "../told";
 import { nameOf, short, shownNumber } from "../units";
@@ -62,7 +62,7 @@ function Bode({ checks }: { checks: ValveCheck[] }) {
   }, [checks]);
   const options = (y: string) => () => ({
     scales: { x: { time: false, distr: 3 as const, range: [data.gain[0][0], data.gain[0][data.gain[0].length - 1]] as [number, number] } },
-    axes: [{ ...look(), label: `${say("frequency")} (Hz)`, size: 40, labelSize: 18, values: (_: uPlot, ticks: number[]) => ticks.map((t) => (t === null || ![1, 2, 5].includes(Number(t.toPrecision(1).replace(/[0.]/g, "").slice(0, 1))) ? "" : short(t, 2))) },
+    axes: [{ ...look(), label: `${say("frequency")} (Hz)`, size: 40, labelSize: 18, values: (_: uPlot, ticks: number[]) => ticks.map((t) => (isRound(t) ? short(t, 2) : "")) },
       { ...look(), label: y, size: 62, labelSize: 20, values: (_: uPlot, ticks: number[]) => ticks.map((t) => short(t, 4)) }],
     series: [{}, ...shown.map((_, k) => ({ stroke: colorOf(k, shown.length), width: k === shown.length - 1 ? 2.4 : 1.6, points: { show: false } }))],
     legend: { show: false }, cursor: { sync: { key: "bode" }, drag: { x: false, y: false } },

@@ -27,7 +27,7 @@ export interface Overview {
 
 export interface Alarm {
   machine: string; alarm: string; state: string; severity: "advisory" | "warning" | "alarm" | "signal_loss"; at_rest: boolean; active: boolean;
-  acknowledged: boolean; shelved_until_s: MaybeNumber; out_of_service: boolean; value: MaybeNumber; std: MaybeNumber; limit: MaybeNumber; unit: string;
+  acknowledged: boolean; shelved_until_s: MaybeNumber; out_of_service: boolean; value: MaybeNumber; std: MaybeNumber; limit: MaybeNumber; unit: string; shown: { factor: number; name: string };
   text: string; finding: string; evidence: string; action: string; cause: string; german: { finding: string; evidence: string; action: string; cause: string } | null;
   raised_stroke: number; raised_wall_s: number; raised_time_s: MaybeNumber; first_stroke: number; last_stroke: number;
 }

@@ -19,6 +19,7 @@ function Reason({ of }: { of: CheckResult["parameters"][string] }) {
 export function Check({ check, picture, session }: { check?: CheckResult; picture?: LogPicture; session: Session }) {
   const say = useWords(), { nameOf, meaningOf, valueOf } = useParameters();
   if (!check) return <p class="empty">{say("loading")}</p>;
+  const heads = [say("checkSignal"), say("checkLow"), say("checkHigh"), say("checkNoise"), say("mapUnit"), say("checkFlags")];
   return (
     <>
       <h1>{say("checkTitle")}</h1>
@@ -31,18 +32,19 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
       <MachinePicture picture={session.machine!.picture} readings={check.signals.map((s) => ({ signal: s.signal, column: s.present ? s.column : null, state: s.present ? "sure" : "free" }))} />
       {picture && <LogView picture={picture} />}
       <Scroll label={say("checkSignal")}>
-        <table>
-          <thead><tr><th>{say("checkSignal")}</th><th class="num">{say("checkLow")}</th><th class="num">{say("checkHigh")}</th><th class="num">{say("checkNoise")}</th><th>{say("mapUnit")}</th><th>{say("checkFlags")}</th></tr></thead>
+        <table class="cards labelled" role="table">
+          <thead><tr role="row">{heads.map((head, k) => <th key={head} role="columnheader" class={k > 0 && k < 4 ? "num" : ""}>{head}</th>)}</tr></thead>
           <tbody>
             {check.signals.filter((signal) => signal.present).map((signal) => {
               const unit = unitOf(session.units, signal.unit);
               const shown = (value: number | null) => (value === null ? "–" : short(value * unit.factor + unit.offset, 4));
               const flags = Object.entries(signal.flags).map(([flag, { count }]) => `${count} × ${say(`flag_${flag}` as keyof Words)}`).join(", ");
               return (
-                <tr key={signal.signal}>
-                  <th scope="row">{signal.signal}</th><td class="num">{shown(signal.min)}</td><td class="num">{shown(signal.max)}</td>
-                  <td class="num">{signal.noise_std === null ? "–" : short(signal.noise_std * unit.factor, 2)}</td><td>{unitName(unit)}</td>
-                  <td>{flags || say("checkFine")}</td>
+                <tr key={signal.signal} role="row">
+                  <th scope="row" role="rowheader">{signal.signal}</th>
+                  {[shown(signal.min), shown(signal.max), signal.noise_std === null ? "–" : short(signal.noise_std * unit.factor, 2)].map((number, k) =>
+                    <td key={k} role="cell" class="num" data-label={heads[k + 1]}>{number}</td>)}
+                  <td role="cell">{unitName(unit)}</td><td role="cell" data-label={heads[5]}>{flags || say("checkFine")}</td>
                 </tr>
               );
             })}

@@ -65,7 +65,7 @@ function StrokePair({ compare, left, right, session, query, setUrl }: Props & { 
   );
 }
 
-function Save({ session }: { session: Session }) {
+export function Save({ session }: { session: Session }) {
   const say = useWords();
   const [name, setName] = useState(session.machine!.suggested_file);
   const [told, setTold] = useState("");
@@ -90,7 +90,7 @@ function Save({ session }: { session: Session }) {
       {!session.file && !session.login && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
       {!session.login && <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>}
       <button class="quiet" onClick={() => void download()}>{say("download")}</button>
-      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br />{say("saveNext")} <code class="command">hydroscope fit LOG --machine {told}</code></p>}
+      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br />{say("saveNext")} <code class="command">hydroscope {session.machine!.closed_loop ? "explain" : "fit"} LOG --machine {told}</code></p>}
       <Problem of={problem} />
     </section>
   );

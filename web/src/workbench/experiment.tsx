@@ -1,7 +1,7 @@
 import type { ExplainResult, Plan } from "../types";
 import { useStore } from "../store";
 import { Told } from "../told";
-import { nameOf, short, shownNumber, unitName, unitOf, type Units } from "../units";
+import { nameOf, short, shownNumber, unitName, unitOf, withUnit, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
 
@@ -26,21 +26,21 @@ function PlanTable({ plan, units }: { plan: Plan; units: Units }) {
   const check = useStore().results.check;
   const list = (values: number[] | undefined, si: string) => {
     const unit = unitOf(units, si);
-    return `${(values ?? []).map((v) => short(v * unit.factor)).join(", ")} ${unitName(unit)}`;
+    return withUnit((values ?? []).map((v) => short(v * unit.factor)).join(", "), unitName(unit));
   };
-  const speeds = (values: number[] | undefined) => `${(values ?? []).map((v) => short(shownNumber(1000 * v, "mm/s"))).join(", ")} ${nameOf("mm/s")}`;
+  const speeds = (values: number[] | undefined) => withUnit((values ?? []).map((v) => short(shownNumber(1000 * v, "mm/s"))).join(", "), nameOf("mm/s"));
   const rows: [string, string][] = [[say("experimentStrokes"), String(plan.strokes)]];
   if (plan.speeds?.length) rows.push([say("experimentSpeeds"), speeds(plan.speeds)]);
   if (plan.pressures?.length) rows.push([say("experimentPressures"), list(plan.pressures, "Pa")]);
   if (plan.rod_pressures?.length) rows.push([say("experimentRod"), list(plan.rod_pressures, "Pa")]);
-  if (plan.warm_up) rows.push([say("experimentWarm"), `${short(plan.warm_up)} K`]);
+  if (plan.warm_up) rows.push([say("experimentWarm"), withUnit(short(plan.warm_up), "K")]);
   for (const s of plan.signals ?? []) {
     const unit = unitOf(units, check?.signals.find((known) => known.signal === s.signal)?.unit ?? "SI"), offset = s.speed ? 0 : unit.offset;
     const shown = (value: number) => short(value * unit.factor + offset);
     const levels = s.levels.map(([from, to]) => (from === to ? shown(from) : `${shown(from)} … ${shown(to)}`)).join("; ");
-    rows.push([say(s.speed ? "experimentSpeedLevels" : "experimentLevels", { signal: s.signal }), `${levels} ${s.speed ? `${unitName(unit) || "1"}/s` : unitName(unit)}`.trim()]);
+    rows.push([say(s.speed ? "experimentSpeedLevels" : "experimentLevels", { signal: s.signal }), withUnit(levels, s.speed ? `${unitName(unit) || "1"}/s` : unitName(unit))]);
   }
-  rows.push([say("experimentSeconds"), `${short(plan.seconds)} s`]);
+  rows.push([say("experimentSeconds"), withUnit(short(plan.seconds), "s")]);
   return (
     <table>
       <thead><tr><th>{say("experimentStep")}</th><th>{say("experimentValue")}</th></tr></thead>

@@ -1,5 +1,5 @@
 import type { CompareResult, ErrorMap, RegionErrors } from "../types";
-import { amount } from "../units";
+import { amount, withUnit } from "../units";
 import { useWords } from "../words";
 import { HeatMap } from "./heat_map";
 import { regionOf, regionText, useRangeWords, useRegionWords, useSignalName } from "./region";
@@ -22,7 +22,7 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
       <h1>{say("locateTitle")}</h1>
       <p>{flat ? say("locateNothing") : say("locateText")} {say("locateBrush")}</p>
       <label>{say("locateOver")} <select value={nameOfMap(map)} onChange={(e) => setUrl({ map: e.currentTarget.value, region: "" })}>
-        {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{m.signals.map(signalName).join(" × ")} ({Math.max(0, Math.round(100 * m.explained))} %)</option>)}
+        {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{m.signals.map(signalName).join(" × ")} ({withUnit(String(Math.max(0, Math.round(100 * m.explained))), "%")})</option>)}
       </select></label>
       <p class="quiet">{map.output && <>{say("locateOutput", { output: map.output })} </>}{say("locateExplains", { share: Math.max(0, Math.round(100 * map.explained)) })}</p>
       <HeatMap map={map} unit={map.error_unit ?? compare.unit} region={region} choose={(next) => setUrl({ region: regionText(next) })} />

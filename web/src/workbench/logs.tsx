@@ -14,18 +14,19 @@ export function Logs({ session }: { session: Session }) {
     await act();
     await refresh();
   });
+  const loop = session.machine?.closed_loop ?? false;
   const held = session.logs.find((log) => log.held_out)?.name ?? "";
   return (
     <section class="logs">
       <h2>{say("logs")}</h2>
-      <ul>{session.logs.map((log) => <li key={log.name}>{log.name.split("/").pop()}{log.held_out && <em> · {say("logHeldOut")}</em>}</li>)}</ul>
+      <ul>{session.logs.map((log) => <li key={log.name}>{log.name.split("/").pop()}{log.held_out && <em> · {say(loop ? "loopIsBefore" : "logHeldOut")}</em>}</li>)}</ul>
       <button class="quiet small" onClick={() => chooser.current?.click()}>{say("logAdd")}</button>
       <input ref={chooser} class="more-logs" type="file" multiple hidden aria-label={say("logAdd")} accept=".csv,.gz,.txt,.dat,.mat"
         onChange={(e) => { for (const file of e.currentTarget.files ?? []) change(() => upload("logs", file)); }} />
       {session.logs.length > 1 && (
-        <label>{say("logHoldOut")}{" "}
+        <label>{say(loop ? "loopBefore" : "logHoldOut")}{" "}
           <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; change(() => post("hold_out", { log })); }}>
-            <option value="">{say("mapNone")}</option>
+            <option value="">{say(loop ? "loopReferences" : "mapNone")}</option>
             {session.logs.map((log) => <option key={log.name} value={log.name}>{log.name.split("/").pop()}</option>)}
           </select>
         </label>

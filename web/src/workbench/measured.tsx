@@ -4,7 +4,7 @@ import { Problem, useAttempt } from "../failure";
 import { refresh } from "../store";
 import { useTold } from "../told";
 import type { Effect, Session } from "../types";
-import { amount, short, unitName, unitOf } from "../units";
+import { short, unitName, unitOf, withUnit } from "../units";
 import { useWords } from "../words";
 import { TitleOf } from "./parts";
 
@@ -27,7 +27,7 @@ export function Measured({ session, effects, suspects }: { session: Session; eff
       <ul>{session.measured.map((known) => {
         const of = effects.find((e) => e.id === known.effect), shown = unitOf(session.units, of?.unit ?? "1");
         return (
-          <li key={known.effect}><TitleOf id={known.effect} effects={effects} />: {short(known.size * shown.factor)} ± {amount(known.std * shown.factor, "")} {unitName(shown)}{" "}
+          <li key={known.effect}><TitleOf id={known.effect} effects={effects} />: {withUnit(`${short(known.size * shown.factor)} ± ${short(known.std * shown.factor)}`, unitName(shown))}{" "}
             <button class="quiet small" disabled={busy} onClick={() => put({ effect: known.effect })}>{say("measuredForget")}</button></li>);
       })}</ul>
       <label>{say("measuredEffect")} <select name="measured-effect" value={effect.id} onChange={(e) => setChosen(e.currentTarget.value)}>

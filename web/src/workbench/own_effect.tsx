@@ -6,6 +6,7 @@ import type { MachineInfo } from "../types";
 import { Formula } from "../formula";
 import { pageColor, Plot } from "../plot";
 import { Told } from "../told";
+import { useTyped } from "../typed";
 import { unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
 
@@ -17,8 +18,8 @@ interface Course { stroke: number; step: number; values: (number | null)[]; unit
 /** A law that the library does not have, written as an expression over the signals. */
 export function OwnEffect({ machine, units, choose }: { machine: MachineInfo; units: Units; choose: (effect: string) => void }) {
   const say = useWords();
-  const [id, setId] = useState("own_effect");
-  const [expression, setExpression] = useState("");
+  const [id, setId] = useTyped("own effect", "own_effect");
+  const [expression, setExpression] = useTyped("own expression");
   const [notNegative, setNotNegative] = useState(true);
   const [problem, setProblem] = useState<Failure | "none" | null>(null);  // null: nothing was written
   const [course, setCourse] = useState<Course | null>(null);
@@ -42,10 +43,11 @@ export function OwnEffect({ machine, units, choose }: { machine: MachineInfo; un
       setProblem(failureOf(caught));
     }
   };
+  const [opened] = useState(expression !== "");
   if (machine.states) return null;
   const wrong = problem === "none" ? null : problem;
   return (
-    <details class="own">
+    <details class="own" open={opened}>
       <summary>{say("ownTitle")}</summary>
       <p>{say("ownText")} <code>{machine.signals.join("  ")}  ddt(…)  sign(…)  sqrt(…)  exp(…)  max(…, …)</code></p>
       <label>{say("ownName")} <input name="own-id" value={id} onInput={(e) => setId(e.currentTarget.value)} /></label>

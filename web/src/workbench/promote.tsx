@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import { Problem, useAttempt } from "../failure";
 import { work } from "../store";
 import type { Session } from "../types";
+import { useTyped } from "../typed";
 import { amount } from "../units";
 import { useWords } from "../words";
 import { useModelName } from "./parts";
@@ -11,7 +12,7 @@ import { refreshWatch, useWatch } from "../watch/watch_store";
 export function Promote({ session }: { session: Session }) {
   const say = useWords();
   const { overview } = useWatch();
-  const [comment, setComment] = useState("");
+  const [comment, setComment] = useTyped("promote comment");
   const [told, setTold] = useState(false);
   const { busy, problem, attempt } = useAttempt();
   const current = session.versions.find((version) => version.current);

@@ -34,7 +34,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
-                  <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
+                  <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && "\u00a0*"}</button></th>
                   <td role="cell">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
                   {sized && <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>}
                 </tr>

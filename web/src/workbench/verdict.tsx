@@ -40,7 +40,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
-      <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
+      <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}{explain.short_runs && ` ${say("verdictShort")}`}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say(odd.parameter ? "oddParameter" : "oddStrokes", { strokes: odd.strokes.join(", "), parameter: odd.parameter ?? "" })}</p>)}
       {explain.swap && <Swap swap={explain.swap} unit={unit} effects={effects} />}

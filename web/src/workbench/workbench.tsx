@@ -1,14 +1,15 @@
 import { Problem } from "../failure";
-import { useStore } from "../store";
+import { ofLoop, useStore } from "../store";
 import type { Session } from "../types";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { AddEffect } from "./add_effect";
 import { Check } from "./check";
 import { Compare } from "./compare";
-import { Confirm } from "./confirm";
+import { Confirm, Save } from "./confirm";
 import { Logs } from "./logs";
 import { Locate } from "./locate";
+import { LoopCompare, LoopLocate, LoopParameters, LoopVerdict } from "./loop";
 import { Promote } from "./promote";
 import { Ranking } from "./ranking";
 import { useRegionErrors } from "./region";
@@ -31,23 +32,39 @@ function Stepper({ step, go }: { step: Step; go: (step: Step) => void }) {
   );
 }
 
+/** The steps of a machine in closed loop that are others: nothing is added to its model, it is measured anew. */
+function LoopStep({ step, session }: { step: Step; session: Session }) {
+  const say = useWords();
+  const { results } = useStore(), { response, changes } = ofLoop(results);
+  if (step === "compare") return <LoopCompare result={response} changes={changes} session={session} />;
+  if (step === "locate") return <LoopLocate result={response} />;
+  return (
+    <>
+      <h1>{say(step === "add" ? "addTitle" : "confirmTitle")}</h1>
+      <p>{say(step === "add" ? "loopAdd" : "loopConfirm")}</p>
+      {step === "confirm" && <><LoopParameters result={response} changes={changes} session={session} /><Save session={session} /></>}
+    </>
+  );
+}
+
 /** One screen: versions on the left, the step in the middle, the verdict on the right. */
 export function Workbench({ session }: { session: Session }) {
   const say = useWords();
   const [query, setUrl] = useUrl();
   const { results, failed, effects } = useStore();
-  const step = steps.find((name) => name === query.step) ?? "compare";
+  const step = steps.find((name) => name === query.step) ?? "compare", loop = session.machine!.closed_loop;
   const choose = (effect: string) => setUrl({ effect, step: "add" });
-  const kind = step === "check" ? "check" : step === "add" ? "explain" : "compare";
+  const kind = step === "check" ? "check" : step === "add" && !session.machine!.closed_loop ? "explain" : "compare";
   const problem = failed[kind];
   const errors = useRegionErrors(query.region, session.machine!.version, `${results.compare !== undefined} ${results.explain !== undefined}`);
   return (
     <div class="workbench">
       <Stepper step={step} go={(name) => setUrl({ step: name })} />
-      <aside class="left"><Staircase session={session} /><Logs session={session} /></aside>
+      <aside class="left">{!loop && <Staircase session={session} />}<Logs session={session} /></aside>
       <section class="centre" aria-live="polite">
         {problem ? <Problem of={problem} before={say("failed")} />
           : step === "check" ? <Check check={results.check} picture={results.picture} session={session} />
+          : loop && step !== "promote" ? <LoopStep step={step} session={session} />
           : step === "compare" ? <Compare compare={results.compare} errors={errors} session={session} query={query} setUrl={setUrl} />
           : step === "locate" ? <Locate compare={results.compare} errors={errors} query={query} setUrl={setUrl} />
           : step === "add" ? <AddEffect id={query.effect ?? results.explain?.set[0] ?? ""} session={session} effects={effects} explain={results.explain} compare={results.compare} />
@@ -55,8 +72,9 @@ export function Workbench({ session }: { session: Session }) {
           : <Promote session={session} />}
       </section>
       <aside class="right">
-        <Verdict explain={results.explain} effects={effects} session={session} problem={failed.explain} choose={choose} />
-        {results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
+        {loop ? <LoopVerdict changes={ofLoop(results).changes} problem={failed.explain} session={session} />
+          : <Verdict explain={results.explain} effects={effects} session={session} problem={failed.explain} choose={choose} />}
+        {!loop && results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
       </aside>
     </div>
   );

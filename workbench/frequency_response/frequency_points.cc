@@ -1,4 +1,4 @@
-#include "cli/frequency_response/points_json.h"
+#include "workbench/frequency_response/frequency_points.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -23,6 +23,21 @@ nlohmann::json FrequencyPointJson(const FrequencyPoint& point) {
     json["input_distortion"] = point.input_distortion;
   }
   return json;
+}
+
+std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points,
+                                                 std::size_t most) {
+  if (points.size() <= most) return points;
+  std::vector<const FrequencyPoint*> chosen;
+  const double first = std::log(points.front()->frequency), last = std::log(points.back()->frequency);
+  double next = first;
+  for (const FrequencyPoint* p : points) {
+    if (std::log(p->frequency) < next - 1e-9) continue;
+    chosen.push_back(p);
+    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / static_cast<double>(most);
+  }
+  if (chosen.back() != points.back()) chosen.push_back(points.back());
+  return chosen;
 }
 
 nlohmann::json LeftOutPointsJson(const std::vector<FrequencyPoint>& points) {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/frequency_response/loop_report.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "models/closed_loop.h"
 #include "models/machine_kind.h"
+#include "workbench/frequency_response/loop_change.h"
 
 namespace hydroscope {
 namespace {
@@ -30,6 +30,13 @@ std::vector<std::string_view> IdsOf(const LoopComparison& comparison) {
   return ids;
 }
 
+/// Of a parameter: relative, of a delay in s.
+double ChangeOf(const LoopComparison& comparison, std::size_t i) {
+  const double before = comparison.before.parameters[i], after = comparison.after.parameters[i];
+  return comparison.plant->parameters[i].kind == LoopParameter::Kind::kDelay ? after - before
+                                                                             : after / before - 1;
+}
+
 std::string ParameterTable(const LoopComparison& comparison, const MachineKind& kind) {
   std::string text = fmt::format("  {:<8} {:>22} {:>22} {:>10}\n", "", "before", "now", "change");
   for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
@@ -41,9 +48,7 @@ std::string ParameterTable(const LoopComparison& comparison, const MachineKind& 
       const double std = std::sqrt(state.covariance(at, at)) * (delay ? parameter.factor : std::abs(value));
       return std > 0 ? WithInterval(value, kNormal95 * std) : fmt::format("{:.4g}", value);
     };
-    const double change =
-        delay ? (comparison.after.parameters[i] - comparison.before.parameters[i]) * parameter.factor
-              : 100 * (comparison.after.parameters[i] / comparison.before.parameters[i] - 1);
+    const double change = ChangeOf(comparison, i) * (delay ? parameter.factor : 100);
     text += fmt::format("  {:<8} {:>22} {:>22} {:>+8.2f} {} {}\n", parameter.name, shown(comparison.before),
                         shown(comparison.after), change, delay ? parameter.unit : "%",
                         delay || parameter.unit.empty() ? "" : fmt::format("  {}", parameter.unit));
@@ -104,13 +109,27 @@ nlohmann::json SetJson(const LoopChangeSet& set) {
   return {{"set", ids}, {"chi_squared", set.chi_squared}, {"p_value", set.p_value}, {"parameters", sizes}};
 }
 
+/// What can happen to the plant, by id: what changes then, and what to look at.
+nlohmann::json KnownChangesJson(const ClosedLoopPlant& plant) {
+  std::vector<const LoopChange*> all{&plant.limit};
+  for (const LoopChange& change : plant.changes) all.push_back(&change);
+  nlohmann::json known = nlohmann::json::object();
+  for (const LoopChange* change : all)
+    known[std::string(change->id)] = {
+        {"quantity", change->quantity.english},
+        {"sentence", change->sentence.english},
+        {"german", {{"quantity", change->quantity.german}, {"sentence", change->sentence.german}}}};
+  return known;
+}
+
 }  // namespace
 
-std::string LoopChangeText(const LoopComparison& comparison, const LoopLog& after, const Machine& machine,
-                           const std::string& before) {
+std::string LoopChangeText(const LoopChangeResult& result) {
+  const LoopComparison& comparison = result.comparison;
   std::string text = fmt::format("What changed from {} to {}\n",
-                                 before.empty() ? "the references of the machine file" : before, after.name);
-  text += ParameterTable(comparison, KindOf(machine)) + "\n";
+                                 result.since.empty() ? "the references of the machine file" : result.since,
+                                 result.after.name);
+  text += ParameterTable(comparison, KindOf(result.machine)) + "\n";
   const LoopChange& limit = comparison.plant->limit;
   if (comparison.limit_appeared)
     text += fmt::format("named: {}\n  {}: up to {:.3g} A\n  {}\n", limit.id, limit.quantity,
@@ -118,24 +137,28 @@ std::string LoopChangeText(const LoopComparison& comparison, const LoopLog& afte
   if (comparison.limit_went) text += fmt::format("{}: no longer limited\n", limit.quantity);
   const bool only_limit = comparison.limit_appeared && comparison.nothing.p_value >= 0.01;
   text += only_limit ? "Nothing else changed.\n" : VerdictText(comparison);
-  for (const std::string& warning : after.response.warnings) text += fmt::format("Note: {}\n", warning);
+  for (const Told& warning : result.after.response.warnings)
+    text += fmt::format("Note: {}\n", warning.english);
   return text;
 }
 
-nlohmann::json LoopChangeJson(const LoopComparison& comparison, const LoopLog& after, const Machine& machine,
-                              const std::string& before) {
-  const MachineKind& kind = KindOf(machine);
+nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
+  const LoopComparison& comparison = result.comparison;
+  const MachineKind& kind = KindOf(result.machine);
+  const std::vector<Told>& warnings = result.after.response.warnings;
   nlohmann::json json = {{"verdict", VerdictName(comparison.verdict)},
                          {"set", IdsOf(comparison)},
-                         {"since", before},
-                         {"log", after.name},
+                         {"since", result.since},
+                         {"log", result.after.name},
                          {"changes", SetJson(comparison.set)["parameters"]},
                          {"ranking", nlohmann::json::array()},
                          {"others", nlohmann::json::array()},
                          {"imitators", nlohmann::json::array()},
                          {"parameters", nlohmann::json::object()},
                          {"input_limit", nullptr},
-                         {"warnings", after.response.warnings}};
+                         {"known", KnownChangesJson(*comparison.plant)},
+                         {"warnings", InEnglish(warnings)},
+                         {"german", {{"warnings", InGerman(warnings)}}}};
   if (comparison.after.input_limit) json["input_limit"] = *comparison.after.input_limit;
   for (const LoopChangeSet& single : comparison.singles) {
     nlohmann::json one = SetJson(single);
@@ -152,8 +175,11 @@ nlohmann::json LoopChangeJson(const LoopComparison& comparison, const LoopLog& a
       const double scale = delay ? 1 : std::abs(state.parameters[i]);
       return {{"value", state.parameters[i]}, {"std", scale * std::sqrt(state.covariance(at, at))}};
     };
-    json["parameters"][std::string(kind.parameters[i].name)] = {
-        {"before", of(comparison.before)}, {"after", of(comparison.after)}, {"unit", kind.parameters[i].si}};
+    json["parameters"][std::string(kind.parameters[i].name)] = {{"before", of(comparison.before)},
+                                                                {"after", of(comparison.after)},
+                                                                {"unit", kind.parameters[i].si},
+                                                                {"change", ChangeOf(comparison, i)},
+                                                                {"relative", !delay}};
   }
   return json;
 }

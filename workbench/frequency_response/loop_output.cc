@@ -1,4 +1,4 @@
-#include "cli/frequency_response/loop_report.h"
+#include "workbench/frequency_response/loop_output.h"
 
 #include <fmt/ranges.h>
 
@@ -6,24 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/frequency_response/bode_plot.h"
-#include "cli/frequency_response/points_json.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "models/closed_loop.h"
 #include "models/machine_kind.h"
+#include "workbench/frequency_response/frequency_points.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kRowsOfTable = 24, kPointsOfPicture = 160;
-
-std::vector<const FrequencyPoint*> ShownPoints(const LoopResponse& response, std::size_t most) {
-  std::vector<const FrequencyPoint*> points;
-  for (const FrequencyPoint& p : response.points)
-    if (p.reason == PointReason::kUsed) points.push_back(&p);
-  return ThinnedPoints(std::move(points), most);
-}
+constexpr std::size_t kRowsOfTable = 24;
 
 std::complex<double> DirectAt(const LoopResponse& response, const FrequencyPoint& point) {
   return response.direct[static_cast<std::size_t>(&point - response.points.data())];
@@ -32,7 +24,7 @@ std::complex<double> DirectAt(const LoopResponse& response, const FrequencyPoint
 std::string PointTable(const LoopResponse& response) {
   std::string text = fmt::format("{:>9} {:>11} {:>9} {:>9} {:>8} {:>10} {:>12}\n", "f Hz", "gain", "± 95 %",
                                  "phase °", "± 95 %", "coherence", "direct gain");
-  for (const FrequencyPoint* p : ShownPoints(response, kRowsOfTable))
+  for (const FrequencyPoint* p : UsedPoints(response, kRowsOfTable))
     text += fmt::format("{:>9.4g} {:>11.4g} {:>9.2g} {:>9.2f} {:>8.2g} {:>10.3f} {:>12.4g}\n", p->frequency,
                         p->gain(), kNormal95 * p->GainStd(), p->phase * kDegrees,
                         kNormal95 * p->PhaseStd() * kDegrees, p->coherence, std::abs(DirectAt(response, *p)));
@@ -65,19 +57,20 @@ std::string ModelLines(const LoopLog& measured, const Machine& machine) {
   return text;
 }
 
-std::vector<std::string> WarningsOf(const LoopLog& measured, const Machine& machine) {
+std::vector<Told> WarningsOf(const LoopLog& measured, const Machine& machine) {
   const LoopResponse& response = measured.response;
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
-  std::vector<std::string> warnings = response.warnings;
+  std::vector<Told> warnings = response.warnings;
   if (response.input_limit)
-    warnings.push_back(fmt::format(
-        "{} beyond {:.3g} A does not reach the plant: {}; the rest is measured with it cut off there",
-        plant.input, *response.input_limit, plant.limit.sentence));
+    warnings.push_back(
+        Tell("{} beyond {:.3g} A does not reach the plant: {}; the rest is measured with it cut off there",
+             "{} über {:.3g} A erreicht die Strecke nicht: {}; der Rest ist damit abgeschnitten gemessen",
+             plant.input, *response.input_limit, plant.limit.sentence));
   if (measured.log.left_out > 0)
-    warnings.push_back(fmt::format("{} of {} rows left out ({})", measured.log.left_out, measured.log.rows,
-                                   measured.log.left_out_why));
-  if (!measured.log.time_base.empty()) warnings.push_back(measured.log.time_base.english);
-  for (const std::string& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
+    warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})",
+                            measured.log.left_out, measured.log.rows, measured.log.left_out_why));
+  if (!measured.log.time_base.empty()) warnings.push_back(measured.log.time_base);
+  for (const Told& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;
 }
 
@@ -104,14 +97,16 @@ std::string LoopText(const LoopLog& measured, const Machine& machine) {
   text += fmt::format(
       "ratio of cross spectra with the set point {}, {} segments of {} samples, {:g} samples/s; {} of {} frequencies coherent\n\n",
       plant.set_point, response.segments, response.segment_length, 1 / measured.log.record.sample_period,
-      ShownPoints(response, response.points.size()).size(), response.points.size());
+      UsedPoints(response, response.points.size()).size(), response.points.size());
   text += PointTable(response) + "\n";
   if (response.direct_bias)
     text += fmt::format(
         "The direct ratio of output to input lies {:+.2g} % beside it from {:.3g} to {:.3g} Hz.\n",
         100 * response.direct_bias->gain, response.direct_bias->lowest, response.direct_bias->highest);
-  text += response.fit ? ModelLines(measured, machine) : fmt::format("No model: {}\n", response.no_fit);
-  for (const std::string& warning : WarningsOf(measured, machine)) text += fmt::format("Note: {}\n", warning);
+  text +=
+      response.fit ? ModelLines(measured, machine) : fmt::format("No model: {}\n", response.no_fit.english);
+  for (const Told& warning : WarningsOf(measured, machine))
+    text += fmt::format("Note: {}\n", warning.english);
   return text;
 }
 
@@ -119,6 +114,7 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
   const LoopResponse& response = measured.response;
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
   const MachineKind& kind = KindOf(machine);
+  const std::vector<Told> warnings = WarningsOf(measured, machine);
   nlohmann::json json = {{"method", "closed_loop"},
                          {"points", PointsJson(response)},
                          {"left_out", LeftOutPointsJson(response.points)},
@@ -135,14 +131,16 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
                          {"direct_bias", nullptr},
                          {"rows", measured.log.rows},
                          {"rows_left_out", measured.log.left_out},
-                         {"warnings", WarningsOf(measured, machine)}};
+                         {"warnings", InEnglish(warnings)},
+                         {"german", {{"warnings", InGerman(warnings)}}}};
   if (response.input_limit) json["input_limit"] = *response.input_limit;
   if (response.direct_bias)
     json["direct_bias"] = {{"from_hz", response.direct_bias->lowest},
                            {"to_hz", response.direct_bias->highest},
                            {"gain", response.direct_bias->gain}};
   if (!response.fit) {
-    json["model_reason"] = response.no_fit;
+    json["model_reason"] = response.no_fit.english;
+    json["german"]["model_reason"] = response.no_fit.german;
     return json;
   }
   for (std::size_t i = 0; i < response.parameters.size(); ++i)
@@ -162,27 +160,17 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
   return json;
 }
 
-std::string LoopBodePlot(const LoopLog& measured, const std::string& title) {
-  const LoopResponse& response = measured.response;
-  // What integrates has no level to fall below.
-  BodePicture picture{.gain_level = kNaN, .title = title, .gain_label = "gain (dB, SI)"};
-  picture.points = ShownPoints(response, kPointsOfPicture);
-  if (picture.points.empty())
-    for (const FrequencyPoint& p : response.points) picture.points.push_back(&p);
-  if (response.fit) {
-    const std::vector<double>& parameters = response.fit->parameters;
-    picture.response = [&](double f) { return measured.model.Response(f, parameters); };
-    picture.phase = [&](double f) {  // as the points: nearest of them
-      const auto near =
-          std::min_element(picture.points.begin(), picture.points.end(), [f](const auto* a, const auto* b) {
-            return std::abs(a->frequency - f) < std::abs(b->frequency - f);
-          });
-      const double raw = std::arg(measured.model.Response(f, parameters));
-      return raw + kTwoPi * std::round(((*near)->phase - raw) / kTwoPi);
-    };
-    picture.legend = " — curve: transfer function";
-  }
-  return BodePlot(picture);
+std::vector<const FrequencyPoint*> UsedPoints(const LoopResponse& response, std::size_t most) {
+  std::vector<const FrequencyPoint*> points;
+  for (const FrequencyPoint& p : response.points)
+    if (p.reason == PointReason::kUsed) points.push_back(&p);
+  return ThinnedPoints(std::move(points), most);
+}
+
+double PhaseBeside(const TransferModel& model, const std::vector<double>& parameters, double frequency,
+                   const FrequencyPoint& point) {
+  const double raw = std::arg(model.Response(frequency, parameters));
+  return raw + kTwoPi * std::round((point.phase - raw) / kTwoPi);
 }
 
 }  // namespace hydroscope

@@ -1,0 +1,14 @@
+// What a person types is kept for this tab until it is sent: neither a restart of the program nor loading anew takes it away.
+
+import { useState } from "preact/hooks";
+
+/** Text of a field that is called `name`, and how it is changed; "" where nothing is typed begins with `first`. */
+export function useTyped(name: string, first = ""): [string, (text: string) => void] {
+  const key = `typed ${name}`;
+  const [text, setText] = useState(() => sessionStorage.getItem(key) ?? first);
+  const change = (next: string) => {
+    setText(next);
+    if (next === first) sessionStorage.removeItem(key); else sessionStorage.setItem(key, next);
+  };
+  return [text, change];
+}

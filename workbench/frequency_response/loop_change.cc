@@ -1,0 +1,67 @@
+#include "workbench/frequency_response/loop_change.h"
+
+#include <algorithm>
+
+#include "core/told_error.h"
+#include "models/closed_loop.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+Result<LoopState> LoopStateOf(const LoopLog& measured) {
+  if (!measured.response.fit)
+    return BadInput(Tell("{}: {}", "{}: {}", measured.name, measured.response.no_fit));
+  return LoopState{*measured.response.fit, measured.response.input_limit};
+}
+
+/// What the machine file calls healthy: references of [monitor].
+Result<LoopState> ReferenceState(const Machine& machine) {
+  const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
+  const auto count = static_cast<std::ptrdiff_t>(plant.parameters.size());
+  LoopState state{{{}, Eigen::MatrixXd::Zero(count, count)}, std::nullopt};
+  for (const LoopParameter& parameter : plant.parameters) {
+    const auto monitor = std::find_if(machine.monitors.begin(), machine.monitors.end(),
+                                      [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
+    const bool known = monitor != machine.monitors.end() && monitor->reference;
+    if (!known && parameter.kind != LoopParameter::Kind::kDelay) {
+      const Told needed = Tell(
+          "explain needs something to compare with: an earlier log (--since OLD), or [monitor.{}] reference in the machine file",
+          "zum Vergleich fehlt etwas: ein früheres Log, oder [monitor.{}] reference in der Maschinendatei",
+          parameter.name);
+      return tl::unexpected(Error{ErrorKind::kUsage, needed.english, needed.german});
+    }
+    state.parameters.push_back(known ? *monitor->reference : 0);
+  }
+  return state;
+}
+
+}  // namespace
+
+bool IsClosedLoop(const std::string& machine_file) {
+  const auto machine = LoadMachine(machine_file);
+  return machine && ClosedLoopOf(*machine) != nullptr;
+}
+
+Result<LoopState> LoopStateBefore(const std::string& since, const Machine& machine) {
+  if (since.empty()) return ReferenceState(machine);
+  const auto old = MeasureLoopLog(since, machine);
+  if (!old) return tl::unexpected(old.error());
+  return LoopStateOf(*old);
+}
+
+Result<LoopChangeResult> ExplainLoopLog(const std::string& log, const std::string& since,
+                                        const std::string& machine_file) {
+  auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto before = LoopStateBefore(since, *machine);
+  if (!before) return tl::unexpected(before.error());
+  auto measured = MeasureLoopLog(log, *machine);
+  if (!measured) return tl::unexpected(measured.error());
+  const auto after = LoopStateOf(*measured);
+  if (!after) return tl::unexpected(after.error());
+  LoopComparison comparison = CompareLoopStates(*ClosedLoopOf(*machine), *before, *after);
+  return LoopChangeResult{std::move(*machine), since, std::move(*measured), std::move(comparison)};
+}
+
+}  // namespace hydroscope
