@@ -290,7 +290,8 @@ void AddAlarmsSubcommands(CLI::App& command, const std::shared_ptr<AlarmsArgumen
   on_alarm("in-service", "Put an alarm back in service",
            [](const AlarmsArguments& o) { return SetOutOfService(o, false); });
   CLI::App* journal = add("journal", "What happened, oldest first", Journal);
-  journal->add_option("--after", a->after, "Only rows after this sequence number");
+  journal->add_option("--after", a->after, "Only rows after this sequence number")
+      ->check(CLI::NonNegativeNumber);
   journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);
   add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
 }

@@ -102,7 +102,7 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
   command->add_option("--model", arguments->model, "Kind of machine, where it is not recognised")
       ->check(CLI::IsMember(kinds));
   command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-3, 1e5));
   command->add_option("--json", arguments->json, "What was inferred and why, as JSON (- is stdout)");
   command->add_flag("--force", arguments->force, "Replace an existing machine file");
   command->footer(
