@@ -10,8 +10,8 @@
 #include "core/finite_number.h"
 #include "estimation/linear_form/trajectory.h"
 #include "host/output.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
-#include "report/text_sink.h"
 
 namespace hydroscope {
 namespace {
@@ -68,7 +68,7 @@ Status WriteTrajectory(const Trajectory& t, const std::string& path, double row)
     for (const SignalSeries& s : t.signals) text += fmt::format(",{:.6f}", s.Value(k * row, t.period));
     text += "\n";
   }
-  return WriteWhole(path, text);
+  return WriteTextFile(path, text);
 }
 
 Status RunDesign(const DesignArguments& a) {

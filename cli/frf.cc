@@ -7,7 +7,7 @@
 #include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_report.h"
 #include "host/output.h"
-#include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "workbench/frequency_response/frf_record.h"
 

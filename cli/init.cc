@@ -10,7 +10,7 @@
 #include "cli/commands.h"
 #include "core/shown_width.h"
 #include "host/output.h"
-#include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "setup/kind_columns.h"
 #include "setup/machine_proposal.h"

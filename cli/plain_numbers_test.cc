@@ -1,3 +1,5 @@
+#include "cli/plain_numbers.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -6,7 +8,6 @@
 #include <sstream>
 
 #include "cli/commands.h"
-#include "cli/plain_numbers.h"
 #include "host/output.h"
 
 namespace hydroscope {
@@ -52,8 +53,10 @@ TEST_F(PlainNumbers, NoOptionTakesWhatIsNoNumber) {
   int options = 0;
   ForEach([&](const std::string& name, CLI::Option& option) {
     ++options;
-    for (const char* value : {"", " ", "abc", "3x", "3 s", "3s", "1.2.3", "--3", "+-3", "-", "nan", "-nan", "inf", "-inf",
-                              "infinity", "1e999", "0x10", "1e", "3 4", "99999999999999999999999x"})
+    for (const char* value : {"",      " ",     "abc", "3x",   "3 s",
+                              "3s",    "1.2.3", "--3", "+-3",  "-",
+                              "nan",   "-nan",  "inf", "-inf", "infinity",
+                              "1e999", "0x10",  "1e",  "3 4",  "99999999999999999999999x"})
       EXPECT_FALSE(Takes(option, value)) << name << " '" << value << "'";
     const bool whole = !option.get_type_name().starts_with("FLOAT");
     for (const char* value : {"1.5", "1e3", "99999999999999999999999", "-99999999999999999999999"})
@@ -64,14 +67,16 @@ TEST_F(PlainNumbers, NoOptionTakesWhatIsNoNumber) {
 
 /// Whether simulating with this option is wrong use and writes nothing.
 bool SimulationRefuses(const std::string& option, const std::string& value) {
-  const std::string log = testing::TempDir() + "plain_numbers.csv", words = option + " " + value + " --out " + log;
+  const std::string log = testing::TempDir() + "plain_numbers.csv",
+                    words = option + " " + value + " --out " + log;
   std::vector<std::string> split = {"hydroscope"};
   for (std::istringstream in(words); in >> split.emplace_back();) continue;
   split.pop_back();
   std::filesystem::remove(log);
   std::vector<const char*> argv;
   for (const std::string& word : split) argv.push_back(word.c_str());
-  return RunCommandLine(static_cast<int>(argv.size()), argv.data()) == kWrongUse && !std::filesystem::exists(log);
+  return RunCommandLine(static_cast<int>(argv.size()), argv.data()) == kWrongUse &&
+         !std::filesystem::exists(log);
 }
 
 /// Of the simulations the parser leaves some limits to the simulator.

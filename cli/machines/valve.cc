@@ -3,7 +3,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/machines/machines.h"
-#include "report/text_sink.h"
+#include "host/text_sink.h"
 #include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
@@ -34,7 +34,7 @@ void AddSimulateValve(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate valve --out worn.csv --f0 120 --damping 0.9 --dead-time 0.001 --sample-rate 4000");
   RunsAs(*app, exit_code, [out, o]() -> Status {
     if (const Status s = Validate(*o); !s) return s;
-    return WriteWhole(*out, FormatValveSweep(SimulateValveSweep(*o)));
+    return WriteTextFile(*out, FormatValveSweep(SimulateValveSweep(*o)));
   });
 }
 
