@@ -219,8 +219,7 @@ TEST_F(SparkplugFeedTest, AnotherClientOfTheSameNameIsToldAndNotFoughtWith) {
   StartBroker();
   Program rival;  // it connects anew a second after it was put out
   rival.Start("mosquitto_sub",
-              {"-h", "127.0.0.1", "-p", broker().port(), "-i", "hydroscope-hydroscope-press",
-               "-t", "any"},
+              {"-h", "127.0.0.1", "-p", broker().port(), "-i", "hydroscope-hydroscope-press", "-t", "any"},
               File("rival"));
   StartFeed();
   ASSERT_TRUE(WaitUntil(
