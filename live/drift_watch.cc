@@ -153,17 +153,23 @@ Status DriftWatch::LookForSecondSender(int index, const LiveStatus& live, HostTi
   return Tell(index, "two_senders", condition, now);
 }
 
-/// "no_samples": channels the model cannot do without have been stale for longer than kSilence.
+/// "no_samples": channels the model cannot do without have been stale for longer than kSilence, or come and make no rows.
 Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime now) {
   Axis& axis = axes_[static_cast<std::size_t>(index)];
-  std::vector<std::string> silent;
+  std::vector<std::string> silent, there;
   bool all_there = true;
   for (const ChannelStatus& channel : live.channels) {
-    if (channel.axis != index || !channel.required || !channel.stale) continue;
-    all_there = false;
-    if (std::isfinite(channel.age) || live.uptime > kStart) silent.push_back(channel.name);
+    if (channel.axis != index || !channel.required) continue;
+    all_there &= !channel.stale;
+    if (!channel.stale)
+      there.push_back(channel.name);
+    else if (std::isfinite(channel.age) || live.uptime > kStart)
+      silent.push_back(channel.name);
   }
-  if (silent.empty()) {
+  const std::int64_t rows = live.axes[static_cast<std::size_t>(index)].counters.rows;
+  const bool no_rows = all_there && rows == axis.rows;
+  axis.rows = rows;
+  if (silent.empty() && !no_rows) {
     axis.silent_since = 0;
     if (!all_there) return {};  // only samples clear it, a restart of the service does not
     return Tell(index, "no_samples", std::nullopt, now);
@@ -177,11 +183,19 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   condition.unit = "s";
   condition.severity = AlarmSeverity::kSignalLoss;
   condition.Say(
-      hydroscope::Tell("no samples of {}: check the controller and the link to it; "
-                       "`hydroscope check --live` shows every channel",
-                       "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope "
-                       "check --live` zeigt jeden Kanal",
-                       fmt::format("{}", fmt::join(silent, ", "))));
+      no_rows
+          ? hydroscope::Tell(
+                "samples of {} come, but not at the rate of [live] grid_period, and nothing is identified: change the "
+                "sender or the machine file; `hydroscope check --live` shows the rate of every channel",
+                "Werte von {} kommen, aber nicht im Takt von [live] grid_period, und nichts wird identifiziert: den "
+                "Sender oder die Maschinendatei ändern; `hydroscope check --live` zeigt den Takt jedes Kanals",
+                fmt::format("{}", fmt::join(there, ", ")))
+          : hydroscope::Tell(
+                "no samples of {}: check the controller and the link to it; "
+                "`hydroscope check --live` shows every channel",
+                "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope "
+                "check --live` zeigt jeden Kanal",
+                fmt::format("{}", fmt::join(silent, ", "))));
   return Tell(index, "no_samples", condition, now);
 }
 
