@@ -388,6 +388,8 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
     channel.rate = rates_[c];
     channel.age = states[c].last_received == 0 ? kNaN : Seconds(now - states[c].last_received);
     channel.value = states[c].last_value;
+    channel.usable = std::isfinite(channel.value) && channel.value >= spec.min.value_or(channel.value) &&
+                     channel.value <= spec.max.value_or(channel.value);
     channel.noise_std = seen.noise_std;
     for (const std::int64_t count : seen.flagged) channel.flagged += count;
     const Delivery delivery = DeliveryOf(model_->machine, spec);

@@ -15,7 +15,6 @@ class ShortConnections {
     ended_ = now;
     in_a_row_ = now - begun_ < kShort ? in_a_row_ + 1 : 0;
   }
-  std::int64_t in_a_row() const { return in_a_row_; }
   bool are_a_habit() const { return in_a_row_ >= kHabit; }
   bool MayBegin(std::int64_t now) const {
     return !are_a_habit() || now - ended_ >= std::min(in_a_row_ * kSecond, kLongestPause);

@@ -308,11 +308,11 @@ class SparkplugFeed : public Feed {
     if (heard) lost_ = {};
     if (!heard && short_.are_a_habit())
       lost_ = Tell(
-          "the MQTT broker {} ended {} connections soon after they began; does another client call itself {}, or does it not "
+          "the MQTT broker {} ends each connection soon after it began; does another client call itself {}, or does it not "
           "let this one publish or subscribe?",
-          "der MQTT-Broker {} beendete {} Verbindungen, kaum dass sie standen; nennt sich ein anderer Client {}, oder darf "
+          "der MQTT-Broker {} beendet jede Verbindung, kaum dass sie steht; nennt sich ein anderer Client {}, oder darf "
           "dieser hier nicht senden oder abonnieren?",
-          spec_.broker, short_.in_a_row(), ClientId());
+          spec_.broker, ClientId());
     if (!lost_.empty()) status_.state = Tell("{}; {}", "{}; {}", lost_, status_.state);
     if (!host_.online())
       status_.state = Tell("the primary host {} is offline; {}", "der Leitrechner {} ist nicht verbunden; {}",
