@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -99,7 +100,10 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "Machine file to write; without it, it goes to stdout");
   std::vector<std::string> kinds;
   for (const MachineKind* kind : KindsToChoose()) kinds.emplace_back(kind->id);
-  command->add_option("--model", arguments->model, "Kind of machine, where it is not recognised")
+  command
+      ->add_option(
+          "--model", arguments->model,
+          "Kind of machine, where it is not recognised: " + fmt::format("{}", fmt::join(kinds, ", ")))
       ->check(CLI::IsMember(kinds));
   command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
       ->check(CLI::Range(1e-3, 1e5));

@@ -17,7 +17,8 @@ void AddSimulateValve(CLI::App& simulate, int& exit_code) {
       ->type_name("FILE")
       ->required();
   app->add_option("--frequencies", o->frequencies, "Hz, one after the other (10, 20 ... 160)")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->default_str("");
   app->add_option("--f0", o->f0, "Natural frequency, Hz");
   app->add_option("--damping", o->damping, "Damping ratio");
   app->add_option("--gain", o->gain, "Spool position per (command / 10 V)");
