@@ -144,7 +144,6 @@ Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& opti
     axes.push_back(std::move(*axis));
     service->aligner_->RestoreMarks(a, marks);
   }
-  if (const Status left = database->LeaveCheckpointsToPauses(); !left) return tl::unexpected(left.error());
   std::vector<std::string> signals;
   for (const SignalSpec& signal : (*model)->machine.signals) signals.push_back(signal.name);
   service->writer_ =
