@@ -77,15 +77,9 @@ const char* WriterStateName(WriterState state) {
   return "";
 }
 
-/// One whose transactions do not wait for checkpoints. If it cannot be told so the first transaction fails as well.
-static Database WithoutCheckpoints(Database database) {
-  static_cast<void>(database.LeaveCheckpointsToPauses());
-  return database;
-}
-
 LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::string> signals,
                        std::vector<Axis> axes, WriterOptions options, Clock clock, Acknowledged acknowledged)
-    : database_(WithoutCheckpoints(std::move(database))),
+    : database_(std::move(database)),
       path_(std::move(path)),
       for_checkpoints_(Opened(path_)),
       signals_(std::move(signals)),
@@ -139,6 +133,7 @@ void LiveWriter::Trim() {
 }
 
 void LiveWriter::Run() {
+  static_cast<void>(database_->LeaveCheckpointsToPauses());  // if that fails the first step fails as well
   FetchMemory(BurstMemory(axes_.size()));
   std::unique_lock lock(mutex_);
   while (WaitForWork(lock)) {
@@ -347,7 +342,7 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
     opened = Database::Open(path_);
   }
   if (!opened) return tl::unexpected(opened.error());
-  database_ = WithoutCheckpoints(std::move(*opened));
+  database_ = std::move(*opened);
   if (const Status begun = BeginRuns(); !begun) {
     database_.reset();
     return begun;
@@ -372,6 +367,7 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
 /// Runs for what waits: their rows do not begin with the first one, so that no replay can check them. Proper
 /// ones follow as soon as the pipelines begin theirs (TakeBroken).
 Status LiveWriter::BeginRuns() {
+  if (const Status left = database_->LeaveCheckpointsToPauses(); !left) return left;
   for (Axis& axis : axes_) {
     const auto machine = database_->MachineId(axis.name);
     if (!machine) return tl::unexpected(machine.error());
