@@ -45,7 +45,7 @@ void AddAlarmLoad(CLI::App& benchmark, int& exit_code) {
   command->add_option("--broker", o->broker)->required();
   command->add_option("--mode", o->mode)->check(CLI::IsMember({"load", "burst", "drain"}));
   command->add_option("--seed", o->seed);
-  command->add_option("--domain", o->domain);
+  command->add_option("--domain", o->domain)->check(CLI::Range(0, 232));
   AddBurstOptions(command, o->burst);
 }
 

@@ -17,6 +17,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
+#include "live/service_socket.h"
 #include "monitor/alarm_json.h"
 #include "storage/alarm_journal.h"
 #include "storage/database.h"
@@ -107,6 +108,14 @@ Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const Al
   return learning;
 }
 
+/// Why the service that fills the database can store nothing now, alarms neither; "" if it can, or none runs.
+std::string NotStored(const std::string& database) {
+  const auto answer = AskService(SocketOf(database), "GET", "/status");
+  const Json status = answer ? Json::parse(*answer, nullptr, false) : Json();
+  if (!status.is_object() || status["writer"].value("state", "writing") == "writing") return "";
+  return status["writer"].value("problem", "");
+}
+
 Status List(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
@@ -114,8 +123,13 @@ Status List(const AlarmsArguments& a) {
   if (!alarms) return tl::unexpected(alarms.error());
   const auto not_judged = NotJudged(*journal, a);
   if (!not_judged) return tl::unexpected(not_judged.error());
-  Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}};
-  std::string text = alarms->empty() ? "no alarm stands\n" : "";
+  const std::string not_stored = NotStored(a.db);
+  Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}, {"not_stored", not_stored}};
+  std::string text = !not_stored.empty()
+                         ? fmt::format("THIS IS OLD: the service stores nothing now, alarms neither: {}\n",
+                                       Printable(not_stored))
+                     : alarms->empty() ? "no alarm stands\n"
+                                       : "";
   if (!not_judged->empty())
     text += fmt::format("not judged yet, the healthy machine is being learned: {}\n",
                         Printable(fmt::format("{}", fmt::join(*not_judged, ", "))));
@@ -290,7 +304,8 @@ void AddAlarmsSubcommands(CLI::App& command, const std::shared_ptr<AlarmsArgumen
   on_alarm("in-service", "Put an alarm back in service",
            [](const AlarmsArguments& o) { return SetOutOfService(o, false); });
   CLI::App* journal = add("journal", "What happened, oldest first", Journal);
-  journal->add_option("--after", a->after, "Only rows after this sequence number");
+  journal->add_option("--after", a->after, "Only rows after this sequence number")
+      ->check(CLI::NonNegativeNumber);
   journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);
   add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
 }

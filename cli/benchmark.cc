@@ -53,7 +53,9 @@ void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
   command->add_flag(
       "--experiments", o->experiments,
       "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
-  command->add_option("--only", o->only, "Only these logs of the campaign, by number")->delimiter(',');
+  command->add_option("--only", o->only, "Only these logs of the campaign, by number")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--healthy", o->healthy, "Hide nothing: how often something is claimed all the same");
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
@@ -126,7 +128,8 @@ void AddThirtyRuns(CLI::App& benchmark, int& exit_code) {
                exit_code);
   command->add_option("--runs", o->runs, "Number of runs")->check(CLI::Range(6, 10000));
   command->add_option("--seconds", o->seconds, "Length of each run, s")->check(CLI::Range(10.0, 1e4));
-  command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K");
+  command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K")
+      ->check(CLI::Range(-1.0, 1.0));
   command->add_option("--seed", o->seed, "Seed of all runs");
   command->add_option("--seeds", o->seeds, "Repeat with this many seeds and list the slopes")
       ->check(CLI::Range(1, 1000));
@@ -249,10 +252,11 @@ void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   o->machine_file = "machines/die_cushion.toml";
   command->add_option("LOG", o->log, "Log without hidden effect (CSV, CSV.gz or MAT)")->required();
   command->add_option("--machine,-m", o->machine_file, "Machine file (TOML)");
-  command->add_option("--K", o->K, "True bulk modulus, Pa");
-  command->add_option("--V0", o->V0, "True dead volume, m3");
-  command->add_option("--Q_vn", o->Q_vn, "True nominal flow of the valve, m3/s (102 l/min = 0.0017)");
-  command->add_option("--y_0", o->y_0, "True spool position without flow");
+  command->add_option("--K", o->K, "True bulk modulus, Pa")->check(CLI::Range(1e6, 1e12));
+  command->add_option("--V0", o->V0, "True dead volume, m3")->check(CLI::Range(1e-6, 10.0));
+  command->add_option("--Q_vn", o->Q_vn, "True nominal flow of the valve, m3/s (102 l/min = 0.0017)")
+      ->check(CLI::Range(1e-9, 10.0));
+  command->add_option("--y_0", o->y_0, "True spool position without flow")->check(CLI::Range(-1.0, 1.0));
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark example-log log_a.csv\n"

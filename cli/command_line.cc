@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/help_formatter.h"
+#include "cli/plain_numbers.h"
 #include "cli/wrong_use.h"
 #include "host/output.h"
 
@@ -29,10 +30,10 @@ void HideEmptyDefaults(CLI::App& app) {
 
 }  // namespace
 
-int RunCommandLine(int argc, const char* const* argv) {
-  CLI::App app{
+void AddCommands(CLI::App& app, int& exit_code) {
+  app.description(
       "Hydroscope: condition monitoring and diagnosis of servo-hydraulic "
-      "machines by continuous identification."};
+      "machines by continuous identification.");
   app.name("hydroscope");
   app.formatter(std::make_shared<HelpFormatter>());  // of its commands too
   app.require_subcommand(1);
@@ -45,13 +46,19 @@ int RunCommandLine(int argc, const char* const* argv) {
       "  hydroscope explain press.csv --machine machines/die_cushion.toml\n"
       "  hydroscope replay press.csv --machine machines/die_cushion.toml --db press.db --report press.html\n"
       "  hydroscope trends --db press.db");
-  int exit_code = kDone;
 #define HYDROSCOPE_ADD_COMMAND(Name) Add##Name##Command(app, exit_code);
   HYDROSCOPE_COMMANDS(HYDROSCOPE_ADD_COMMAND)
 #undef HYDROSCOPE_ADD_COMMAND
   AddShellCommands(app, exit_code);
   AddQuiet(app);
   HideEmptyDefaults(app);
+  TakePlainNumbersOnly(app);
+}
+
+int RunCommandLine(int argc, const char* const* argv) {
+  CLI::App app;
+  int exit_code = kDone;
+  AddCommands(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

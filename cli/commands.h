@@ -42,6 +42,8 @@ void AddShellCommands(CLI::App& app, int& exit_code);
 void AddLiveBenchmarks(CLI::App& benchmark, int& exit_code);
 void AddAlarmBenchmarks(CLI::App& benchmark, int& exit_code);
 
+/// All commands with their options, as the program has them.
+void AddCommands(CLI::App& app, int& exit_code);
 /// The whole command line; returns the exit code. main() and the tests call it.
 int RunCommandLine(int argc, const char* const* argv);
 

@@ -7,11 +7,11 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "cli/finite_number.h"
+#include "core/finite_number.h"
 #include "estimation/linear_form/trajectory.h"
 #include "host/output.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
-#include "report/text_sink.h"
 
 namespace hydroscope {
 namespace {
@@ -68,7 +68,7 @@ Status WriteTrajectory(const Trajectory& t, const std::string& path, double row)
     for (const SignalSeries& s : t.signals) text += fmt::format(",{:.6f}", s.Value(k * row, t.period));
     text += "\n";
   }
-  return WriteWhole(path, text);
+  return WriteTextFile(path, text);
 }
 
 Status RunDesign(const DesignArguments& a) {
@@ -107,10 +107,10 @@ void AddDesignCommand(CLI::App& app, int& exit_code) {
       ->type_name("RANGE")
       ->allow_extra_args(false);
   command->add_option("--speed", a->speed, "Largest speed, SI")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-4, 1e5))
       ->capture_default_str();
   command->add_option("--acceleration", a->acceleration, "Largest acceleration, SI")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-4, 1e5))
       ->capture_default_str();
   command->add_option("--period", a->options.period, "s after which it repeats")
       ->check(CLI::Range(2.0, 600.0))

@@ -7,7 +7,7 @@
 #include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_bode.h"
 #include "host/output.h"
-#include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "workbench/frequency_response/frf_record.h"
 #include "workbench/frequency_response/loop_output.h"
@@ -114,15 +114,16 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
                       "(default: 1/8 of the log)");
   command
       ->add_option("--min-coherence", a->options.min_coherence, "welch: points below are left out of the fit")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--from", a->options.lowest, "Hz: points below are left out of the fit")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   command->add_option("--to", a->options.highest, "Hz: points above are left out of the fit")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-4, 1e5));
   command
       ->add_option("--settle", a->settle,
                    "sine: s to leave out after each change of frequency (default: found from the response)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   command->footer(
       "Exit code 4: some frequencies or rows had to be left out, or there are too few "
       "for a model; they are listed.\n"

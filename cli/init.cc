@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -10,7 +11,7 @@
 #include "cli/commands.h"
 #include "core/shown_width.h"
 #include "host/output.h"
-#include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "setup/kind_columns.h"
 #include "setup/machine_proposal.h"
@@ -99,10 +100,13 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "Machine file to write; without it, it goes to stdout");
   std::vector<std::string> kinds;
   for (const MachineKind* kind : KindsToChoose()) kinds.emplace_back(kind->id);
-  command->add_option("--model", arguments->model, "Kind of machine, where it is not recognised")
+  command
+      ->add_option(
+          "--model", arguments->model,
+          "Kind of machine, where it is not recognised: " + fmt::format("{}", fmt::join(kinds, ", ")))
       ->check(CLI::IsMember(kinds));
   command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-3, 1e5));
   command->add_option("--json", arguments->json, "What was inferred and why, as JSON (- is stdout)");
   command->add_flag("--force", arguments->force, "Replace an existing machine file");
   command->footer(

@@ -110,8 +110,9 @@ void AddPromoteCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
   command->add_option("--db,-d", history.db, "Database")->required();
   command->add_option("--machine,-m", options->machine, "Machine file (TOML) whose model to take");
   command->add_option("--machine-name", history.machines, "Machine of the database, if it holds several");
-  command->add_option("--version", options->promotion.version,
-                      "Version in the database; its latest without it");
+  command
+      ->add_option("--version", options->promotion.version, "Version in the database; its latest without it")
+      ->check(CLI::PositiveNumber);
   command->add_option("--user", options->promotion.user, "Who promotes (default: the user logged in)");
   command->add_option("--comment", options->promotion.comment, "Why, kept in the alarm journal");
   AddJsonOption(*command, options->json);

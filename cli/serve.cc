@@ -207,13 +207,13 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   command->add_option("--key", a.key, "PEM file of its private key");
   command->add_option("--host-name", a.host_names,
                       "Name under which other computers reach the page; repeatable");
-  command->add_option("--raw-days", a.raw_days, "Raw window: days kept")->check(CLI::NonNegativeNumber);
+  command->add_option("--raw-days", a.raw_days, "Raw window: days kept")->check(CLI::Range(0.0, 1e5));
   command->add_option("--raw-gb", a.raw_gigabytes, "Raw window: GB kept per axis; 0 = none")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   command->add_option("--min-free", a.min_free_megabytes, "MB on the disk below which nothing is written")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e9));
   command->add_option("--queue", a.queue_megabytes, "MB of raw rows that may wait for the disk")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.1, 1e6));
   command->add_option("--run-length", a.live.run_length, "s after which a run ends between two strokes")
       ->check(CLI::Range(10.0, 1e7));
   command->add_option("--raw-period", a.live.raw_period, "s between two stored pieces of raw rows")
@@ -221,7 +221,7 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--valve-check-every", a.valve_check_hours,
                    "Hours between valve checks of each axis; 0 = only on request")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   command
       ->add_option("--valve-check-amplitude", a.valve_check.amplitude, "Valve check: share of full command")
       ->check(CLI::Range(0.001, 1.0));

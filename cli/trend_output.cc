@@ -15,8 +15,8 @@
 #include "core/time_text.h"
 #include "core/units.h"
 #include "host/output.h"
+#include "host/text_sink.h"
 #include "models/parameter_unit.h"
-#include "report/text_sink.h"
 #include "workbench/history/trend_summary.h"
 
 namespace hydroscope {

@@ -134,7 +134,10 @@ std::string Explained(const CLI::App& command, const CLI::ParseError& error) {
         return fmt::format("{} {}: expected a {} number", name, given.back(),
                            given.back().front() == '-' ? "larger" : "smaller");
       return fmt::format("{}{}{}: expected {}", name, given.empty() ? "" : " ",
-                         given.empty() ? "" : given.back(), Expected(type));
+                         given.empty()          ? ""
+                         : given.back().empty() ? "''"
+                                                : given.back(),
+                         Expected(type));
     }
     default:
       return message;

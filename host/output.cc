@@ -14,7 +14,7 @@
 #include "core/json_text.h"
 #include "core/printable.h"
 #include "host/progress_listener.h"
-#include "host/text_file.h"
+#include "host/text_sink.h"
 #include "host/wrapped_text.h"
 
 namespace hydroscope {

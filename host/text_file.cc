@@ -3,7 +3,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/cannot_write.h"
 #include "core/told_error.h"
 
 namespace hydroscope {
@@ -14,15 +13,6 @@ Result<std::string> ReadTextFile(const std::string& path) {
   text << file.rdbuf();
   if (!file) return BadInput(Tell("cannot read {}", "{} kann nicht gelesen werden", path));
   return text.str();
-}
-
-Status WriteTextFile(const std::string& path, const std::string& text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.flush();
-  if (!file) return CannotWrite(path);
-  return {};
 }
 
 }  // namespace hydroscope

@@ -8,7 +8,5 @@ namespace hydroscope {
 
 /// All bytes of a file. Error: it cannot be read.
 Result<std::string> ReadTextFile(const std::string& path);
-/// Error: it cannot be written.
-Status WriteTextFile(const std::string& path, const std::string& text);
 
 }  // namespace hydroscope

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "alarms/press_health.h"
 #include "core/clock.h"
@@ -27,6 +28,29 @@ constexpr double kIdle = 60.0;      ///< s without a stroke
 constexpr AlarmSettings kAtOnce{1, 1, 0, false};
 
 double Wall(HostTime now) { return Seconds(now.wall_ns); }
+
+using Names = std::vector<std::string>;
+Told NothingComes(const Names& channels) {
+  return Tell(
+      "no samples of {}: check the controller and the link to it; `hydroscope check --live` shows every channel",
+      "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope check --live` zeigt jeden Kanal",
+      fmt::format("{}", fmt::join(channels, ", ")));
+}
+Told NothingOfUse(const Names& channels) {
+  return Tell(
+      "no usable samples of {}: they are no numbers, or outside min and max of the machine file; check the sensor and its cable",
+      "keine brauchbaren Werte von {}: keine Zahlen oder außerhalb von min und max der Maschinendatei; den Sensor und sein "
+      "Kabel prüfen",
+      fmt::format("{}", fmt::join(channels, ", ")));
+}
+Told AtAnotherRate(const Names& channels) {
+  return Tell(
+      "samples of {} come, but not at the rate of [live] grid_period, and nothing is identified: change the sender or the "
+      "machine file; `hydroscope check --live` shows the rate of every channel",
+      "Werte von {} kommen, aber nicht im Takt von [live] grid_period, und nichts wird identifiziert: den Sender oder die "
+      "Maschinendatei ändern; `hydroscope check --live` zeigt den Takt jedes Kanals",
+      fmt::format("{}", fmt::join(channels, ", ")));
+}
 
 }  // namespace
 
@@ -153,19 +177,23 @@ Status DriftWatch::LookForSecondSender(int index, const LiveStatus& live, HostTi
   return Tell(index, "two_senders", condition, now);
 }
 
-/// "no_samples": channels the model cannot do without have been stale for longer than kSilence.
+/// "no_samples": channels the model cannot do without have been stale for longer than kSilence, or come and are of no use.
 Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime now) {
   Axis& axis = axes_[static_cast<std::size_t>(index)];
-  std::vector<std::string> silent;
-  bool all_there = true;
-  for (const ChannelStatus& channel : live.channels) {
-    if (channel.axis != index || !channel.required || !channel.stale) continue;
-    all_there = false;
-    if (std::isfinite(channel.age) || live.uptime > kStart) silent.push_back(channel.name);
-  }
-  if (silent.empty()) {
+  std::vector<std::string> there, stale, never, unusable;
+  for (const ChannelStatus& channel : live.channels)
+    if (channel.axis == index && channel.required)
+      (!std::isfinite(channel.age) ? never
+       : channel.stale             ? stale
+       : channel.usable            ? there
+                                   : unusable)
+          .push_back(channel.name);
+  if (live.uptime > kStart) stale.insert(stale.end(), never.begin(), never.end());
+  const std::int64_t rows = live.axes[static_cast<std::size_t>(index)].counters.rows;
+  const bool no_rows = std::exchange(axis.rows, rows) == rows && never.empty();
+  if (stale.empty() && unusable.empty() && !no_rows) {
     axis.silent_since = 0;
-    if (!all_there) return {};  // only samples clear it, a restart of the service does not
+    if (!never.empty()) return {};  // only samples clear it, a restart of the service does not
     return Tell(index, "no_samples", std::nullopt, now);
   }
   if (axis.silent_since == 0) axis.silent_since = now.monotonic_ns;
@@ -176,12 +204,9 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   condition.limit = kSilence;
   condition.unit = "s";
   condition.severity = AlarmSeverity::kSignalLoss;
-  condition.Say(
-      hydroscope::Tell("no samples of {}: check the controller and the link to it; "
-                       "`hydroscope check --live` shows every channel",
-                       "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope "
-                       "check --live` zeigt jeden Kanal",
-                       fmt::format("{}", fmt::join(silent, ", "))));
+  condition.Say(!stale.empty()      ? NothingComes(stale)
+                : !unusable.empty() ? NothingOfUse(unusable)
+                                    : AtAnotherRate(there));
   return Tell(index, "no_samples", condition, now);
 }
 

@@ -40,7 +40,8 @@ class DriftWatch {
   /// What is known of an axis between two looks.
   struct Axis {
     std::int64_t strokes = 0;
-    std::int64_t changed = 0;       ///< ns, monotonic, when `strokes` last grew
+    std::int64_t changed = 0;  ///< ns, monotonic, when `strokes` last grew
+    std::int64_t rows = 0;
     std::int64_t silent_since = 0;  ///< ns, monotonic; 0: nothing is missing
     bool idle = false, checked = false;
   };

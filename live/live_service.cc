@@ -144,7 +144,6 @@ Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& opti
     axes.push_back(std::move(*axis));
     service->aligner_->RestoreMarks(a, marks);
   }
-  if (const Status left = database->LeaveCheckpointsToPauses(); !left) return tl::unexpected(left.error());
   std::vector<std::string> signals;
   for (const SignalSpec& signal : (*model)->machine.signals) signals.push_back(signal.name);
   service->writer_ =
@@ -388,6 +387,8 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
     channel.rate = rates_[c];
     channel.age = states[c].last_received == 0 ? kNaN : Seconds(now - states[c].last_received);
     channel.value = states[c].last_value;
+    channel.usable = std::isfinite(channel.value) && channel.value >= spec.min.value_or(channel.value) &&
+                     channel.value <= spec.max.value_or(channel.value);
     channel.noise_std = seen.noise_std;
     for (const std::int64_t count : seen.flagged) channel.flagged += count;
     const Delivery delivery = DeliveryOf(model_->machine, spec);

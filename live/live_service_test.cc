@@ -192,6 +192,7 @@ TEST(RawName, TellsDatabaseAxisRunAndTimes) {
   EXPECT_TRUE(by_time->by_time);
   EXPECT_EQ(by_time->from, 1700000005.5);
   EXPECT_EQ(by_time->axis, "press/left");
+  EXPECT_FALSE(ParseRawName("press.db#left@nan:5")->from);
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ struct ChannelStatus {
   double noise_std = 0;      ///< SI; NaN: not known
   std::int64_t flagged = 0;  ///< values with any quality flag, in the present run
   bool stale = false;        ///< older than two periods
+  bool usable = true;        ///< the newest value is a number within the limits of the machine file
   int axis = 0;
   bool required = false;  ///< the model cannot do without it
   int senders = 0;        ///< that send it at the same time; more than one: only the first is believed

@@ -41,7 +41,6 @@ class LiveWriterTest : public testing::Test {
     ASSERT_TRUE(Database::Open(path_));  // and closed: its tables lie in the file itself, not in the log
     auto database = Database::Open(path_);
     ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->LeaveCheckpointsToPauses());
     LiveWriter::Axis axis;
     axis.name = "press";
     axis.model = std::make_shared<LiveModel>();
@@ -102,6 +101,18 @@ TEST_F(LiveWriterTest, StepsAreStoredWhileACheckpointWaitsForTheDisk) {
         << "a step waits for the checkpoint";
   }
   EXPECT_TRUE(disk_.somebody_waits());
+}
+
+TEST_F(LiveWriterTest, NoStepWaitsForACheckpointOfItsOwn) {
+  constexpr std::int64_t kSteps = 100;           // fewer than make a checkpoint due, in all
+  constexpr std::size_t kBytesOfStep = 300'000;  // more than SQLite by itself lets wait
+  disk_.Hold();
+  for (std::int64_t step = 1; step <= kSteps; ++step) {
+    std::vector<WriteItem> items(1);
+    items.front().step.pipeline_state.resize(kBytesOfStep, static_cast<std::uint8_t>(step));
+    writer_->Push(std::move(items));
+    ASSERT_TRUE(Wait(5, [&] { return writer_->status().steps == step; })) << step << " waits for the disk";
+  }
 }
 
 TEST_F(LiveWriterTest, ADamageIsSeenHoweverBusyItWrites) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/finite_number.h"
 #include "pipeline/axis_log.h"
 #include "replay/resampled_reader.h"
 
@@ -96,11 +97,8 @@ bool ParseRange(std::string text, RawName& name) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) return false;
   const auto number = [](const std::string& part, std::optional<double>& value) {
-    if (part.empty()) return true;
-    double parsed = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), parsed);
-    value = parsed;
-    return error == std::errc() && end == part.data() + part.size();
+    value = FiniteNumber(part);
+    return value || part.empty();
   };
   return number(text.substr(0, colon), name.from) && number(text.substr(colon + 1), name.to);
 }

@@ -4,11 +4,10 @@
 
 #include <bit>
 #include <cmath>
-#include <fstream>
 
-#include "core/cannot_write.h"
 #include "core/constants.h"
 #include "core/time_text.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "report/error_words.h"
@@ -382,11 +381,7 @@ std::string FormatReport(const ReportInput& input) {
 }
 
 Status WriteReport(const std::string& path, const ReportInput& input) {
-  std::ofstream file(path, std::ios::binary);
-  file << FormatReport(input);
-  file.flush();
-  if (!file) return CannotWrite(path);
-  return {};
+  return WriteTextFile(path, FormatReport(input));
 }
 
 }  // namespace hydroscope

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
-#include "core/cannot_write.h"
+#include "host/text_sink.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
@@ -135,11 +133,7 @@ std::string VerdictSection(Verdict verdict, const std::string& headline,
 }
 
 Status WritePage(const std::string& path, const std::string& title, const std::string& body) {
-  std::ofstream file(path, std::ios::binary);
-  file << HtmlPage(title, body);
-  file.flush();
-  if (!file) return CannotWrite(path);
-  return {};
+  return WriteTextFile(path, HtmlPage(title, body));
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,8 @@
 #include "simulator/ranges.h"
 
+#include <fmt/format.h>
+
+#include <string>
 #include <string_view>
 
 namespace hydroscope {
@@ -7,9 +10,10 @@ namespace hydroscope {
 Status CheckRanges(std::initializer_list<AllowedRange> ranges) {
   for (const auto& [name, value, low, high, unit] : ranges) {
     if (value >= low && value <= high) continue;
-    if (std::string_view(unit).empty())
-      return UsageError("{} {} is not within {} ... {}", name, value, low, high);
-    return UsageError("{} is {} {}; it must lie between {} and {} {}", name, value, unit, low, high, unit);
+    const std::string of_unit =
+        std::string_view(unit) == "1" || std::string_view(unit).empty() ? "" : fmt::format(" {}", unit);
+    return UsageError("{} is {}{}; it must lie between {} and {}{}", name, value, of_unit, low, high,
+                      of_unit);
   }
   return {};
 }

@@ -2,9 +2,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <thread>
 
 #include "alarms/alarm_machine.h"
 #include "core/expect_ok_fixture.h"
+#include "live/service_socket.h"
 #include "storage/alarm_journal.h"
 #include "tests/command_line_fixture.h"
 
@@ -79,6 +85,30 @@ TEST_F(AlarmsCommand, AnAlarmThatNobodyKnowsIsRefused) {
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("no known alarm sael"));
   EXPECT_EQ(Alarms({"ack", "seal"}).exit_code, 2) << "at rest: nothing to acknowledge";
+}
+
+TEST_F(AlarmsCommand, ListGivesNoAllClearWhileTheServiceCanStoreNothing) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, SocketOf(File("press.db")).c_str());
+  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(listen(listener, 4), 0);
+  std::jthread service([listener] {
+    for (int client = 0; (client = accept(listener, nullptr, nullptr)) >= 0; close(client)) {
+      char request[1024];
+      constexpr std::string_view kAnswer =
+          "HTTP/1.0 200 OK\r\n\r\n{\"writer\": {\"state\": \"disk_full\", \"problem\": \"the disk is full\"}}";
+      if (read(client, request, sizeof request) > 0)
+        static_cast<void>(write(client, kAnswer.data(), kAnswer.size()));
+    }
+  });
+  EXPECT_THAT(Alarms({"list"}).out, HasSubstr("stores nothing now, alarms neither: the disk is full"));
+  EXPECT_EQ(Alarms({"list", "--json", "-"}).Json().at("not_stored"), "the disk is full");
+  shutdown(listener, SHUT_RDWR);
+  close(listener);
+  service.join();
+  EXPECT_THAT(Alarms({"list"}).out, testing::Not(HasSubstr("stores nothing")));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
   };
   for (const Case& c : {
            Case{{"frf", "x.csv", "-m", "m.toml", "--settle", "-1"},
-                "--settle -1: expected 0 or a positive number"},
+                "--settle -1: expected a number from 0 to 100000"},
            Case{{"simulate", "flexible-axis", "--out", "x.csv", "--rows", "999999999999"},
                 "--rows 999999999999: expected a smaller number"},
            Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
@@ -63,6 +63,9 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
            Case{{"completion", "fish"}, "SHELL fish: expected bash or zsh"},
            Case{{"simulate", "press", "--seconds", "abc", "--out", "x.csv"},
                 "--seconds abc: expected a number"},
+           Case{{"simulate", "press", "--seconds", "", "--out", "x.csv"}, "--seconds '': expected a number"},
+           Case{{"simulate", "press", "--random-machine", "-3", "--out", "x.csv"},
+                "--random-machine -3: expected a larger number"},
            Case{{"fit"}, "LOG is missing: Logs of one machine"},
            Case{{"fit", "x.csv"}, "--machine is missing: Machine file"},
            Case{{"learn", "--db"}, "--db: its value is missing"},

@@ -41,7 +41,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"setup", {"core", "models", "replay", "host"}},
     {"workbench", {"core", "models", "estimation", "diagnosis", "storage", "replay", "host", "pipeline"}},
     {"monitor", {"core", "models", "diagnosis", "storage", "alarms", "host", "pipeline", "workbench"}},
-    {"report", {"core", "models", "diagnosis", "storage", "pipeline", "workbench", "monitor"}},
+    {"report", {"core", "models", "diagnosis", "storage", "host", "pipeline", "workbench", "monitor"}},
     {"review",
      {"core", "models", "estimation", "storage", "replay", "host", "pipeline", "workbench", "monitor",
       "report"}},

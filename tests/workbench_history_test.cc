@@ -279,9 +279,12 @@ TEST_F(WorkbenchHistory, WrongUseAndUnknownPlacesAreNamed) {
   EXPECT_EQ(Run({"explain", "-m", machine_}).exit_code, 2);
   EXPECT_EQ(Run({"explain", "x.csv", "-m", machine_, "--since", "3"}).exit_code, 2);
   Replay({Healthy(1)});
-  const Ran place = Run({"explain", "--db", Db(), "--since", "yesterday"});
-  EXPECT_EQ(place.exit_code, 2);
-  EXPECT_THAT(place.err, HasSubstr("run:3"));
+  for (const char* place :
+       {"yesterday", "2025-02-31", "2025-03-01T06:30 or so", "2025-03-01T25:00", "nan", "inf s"}) {
+    const Ran ran = Run({"explain", "--db", Db(), "--since", place});
+    EXPECT_EQ(ran.exit_code, 2) << place;
+    EXPECT_THAT(ran.err, HasSubstr("run:3")) << place;
+  }
   const Ran run = Run({"explain", "--db", Db(), "--from", "run:9"});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("no run 9"));

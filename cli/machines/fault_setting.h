@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/finite_number.h"
+#include "core/finite_number.h"
 #include "core/result.h"
 
 namespace hydroscope {

@@ -8,8 +8,8 @@
 #include <sstream>
 #include <vector>
 
-#include "cli/finite_number.h"
 #include "cli/machines/press_settings.h"
+#include "core/finite_number.h"
 #include "core/units.h"
 
 namespace hydroscope {

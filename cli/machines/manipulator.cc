@@ -92,10 +92,9 @@ void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
       ->type_name("EFFECT")
       ->allow_extra_args(false);
   app->add_flag("--list-effects", a->list_effects, "Print the effects with units and typical sizes");
-  app->add_option("--random-machine", a->random_machine, "Draw a machine with this seed; 0: the usual one")
-      ->type_name("SEED");
+  app->add_option("--random-machine", a->random_machine, "Draw a machine with this seed; 0: the usual one");
   app->add_option("--noise", a->noise_factor, "Sensor noise relative to the usual; 0 = none")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   app->add_option("--sample-period", o.sample_period, "s");
   app->add_option("--truth", a->files.truth,
                   "Write the true parameters and how well the arm followed as JSON")

@@ -130,8 +130,7 @@ void AddMachineOptions(CLI::App& app, PressArguments& a) {
   app.add_option("--oil", a.oil, "Oil temperature START:END in degC (40 if not given)")->type_name("T0:T1");
   app.add_option("--machine", a.machine, "Take A_A, dp_nom, p_t (and K, V0, Q_vn, y_0) from a machine file")
       ->type_name("FILE");
-  app.add_option("--random-machine", a.random_machine, "Draw a machine with this seed (above 0)")
-      ->type_name("SEED");
+  app.add_option("--random-machine", a.random_machine, "Draw a machine with this seed (above 0)");
   app.add_option("--cylinders", a.cylinders, "4: four cylinders of one press, FILE_1 ... FILE_4")
       ->check(CLI::IsMember({1, 4}));
   app.add_option("--effect-cylinder", a.effect_cylinder, "Hide the effects in this cylinder only")
@@ -147,9 +146,8 @@ void AddSensorOptions(CLI::App& app, PressArguments& a) {
       ->allow_extra_args(false);
   app.add_option("--noise", a.noise_factor, "Sensor noise relative to the rig's; 0 = none")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--hum", a.options.noise.hum_amplitude, "Mains hum on p_A, Pa")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
+  app.add_option("--hum", a.options.noise.hum_amplitude, "Mains hum on p_A, Pa")->check(CLI::Range(0.0, 1e8));
   app.add_option("--adc-bits", a.adc_bits, "Resolution of the converters")->check(CLI::Range(8, 24));
   app.add_option("--sample-period", a.options.sample_period, "s; --serve: 0.001 if not given")
       ->capture_default_str();
@@ -161,11 +159,17 @@ void AddServeOptions(CLI::App& app, ServedPress& serve) {
       ->type_name("FILE");
   app.add_option("--axes", serve.axes, "--serve: cylinders, if not as many as the machine file names")
       ->check(CLI::Range(1, LivePress::kMostAxes));
-  app.add_option("--speed", serve.speed, "--serve: times real time")->capture_default_str();
-  app.add_option("--work", serve.work, "--serve: s of work before each pause; 0 = no pauses")
+  app.add_option("--speed", serve.speed, "--serve: times real time")
+      ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  app.add_option("--pause", serve.pause, "--serve: s of rest after each work")->capture_default_str();
+  app.add_option("--work", serve.work, "--serve: s of work before each pause; 0 = no pauses")
+      ->check(CLI::Range(0.0, 1e5))
+      ->capture_default_str();
+  app.add_option("--pause", serve.pause, "--serve: s of rest after each work")
+      ->check(CLI::Range(0.0, 1e5))
+      ->capture_default_str();
   app.add_option("--clock-drift", serve.clock_drift, "--serve: the press's clock runs faster, ppm")
+      ->check(CLI::Range(-1e5, 1e5))
       ->capture_default_str();
 }
 

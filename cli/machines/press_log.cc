@@ -5,7 +5,7 @@
 
 #include "cli/machines/press_settings.h"
 #include "host/output.h"
-#include "report/text_sink.h"
+#include "host/text_sink.h"
 #include "simulator/die_cushion/log_format.h"
 
 namespace hydroscope {

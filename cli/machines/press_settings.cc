@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cli/finite_number.h"
 #include "core/constants.h"
+#include "core/finite_number.h"
 #include "core/units.h"
 #include "models/machine.h"
 #include "simulator/die_cushion/effects.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/output.h"
-#include "report/text_sink.h"
+#include "host/text_sink.h"
 
 namespace hydroscope {
 
@@ -15,7 +15,7 @@ void AddFiles(CLI::App& app, SimulatedLogFiles& files) {
 }
 
 Status WriteSimulated(const SimulatedLogFiles& files, std::string_view log, const nlohmann::json& truth) {
-  if (const Status written = WriteWhole(files.out, log); !written || files.truth.empty()) return written;
+  if (const Status written = WriteTextFile(files.out, log); !written || files.truth.empty()) return written;
   return WriteJson(files.truth, truth);
 }
 

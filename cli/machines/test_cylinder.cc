@@ -81,7 +81,7 @@ void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
   app->add_option("--excitation", o.excitation, "Standard deviation of the current, A");
   app->add_option("--noise", a->noise_factor,
                   "Noise of the reading (2 um) and disturbance of the valve (0.5 mA), times")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 1e5));
   app->add_option("--trapped-air", o.trapped_air, "Share of the chambers' volume");
   app->add_option("--specimen", o.specimen, "Stiffness of the specimen, N/m");
   app->add_option("--sensor-delay", o.sensor_delay, "Delay of the position's reading, s");

@@ -3,7 +3,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/machines/machines.h"
-#include "report/text_sink.h"
+#include "host/text_sink.h"
 #include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
@@ -17,7 +17,8 @@ void AddSimulateValve(CLI::App& simulate, int& exit_code) {
       ->type_name("FILE")
       ->required();
   app->add_option("--frequencies", o->frequencies, "Hz, one after the other (10, 20 ... 160)")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->default_str("");
   app->add_option("--f0", o->f0, "Natural frequency, Hz");
   app->add_option("--damping", o->damping, "Damping ratio");
   app->add_option("--gain", o->gain, "Spool position per (command / 10 V)");
@@ -34,7 +35,7 @@ void AddSimulateValve(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate valve --out worn.csv --f0 120 --damping 0.9 --dead-time 0.001 --sample-rate 4000");
   RunsAs(*app, exit_code, [out, o]() -> Status {
     if (const Status s = Validate(*o); !s) return s;
-    return WriteWhole(*out, FormatValveSweep(SimulateValveSweep(*o)));
+    return WriteTextFile(*out, FormatValveSweep(SimulateValveSweep(*o)));
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/told_error.h"
 #include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "page/api_arguments.h"
 #include "page/work/machine_versions.h"

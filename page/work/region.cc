@@ -1,21 +1,13 @@
 #include "page/work/region.h"
 
-#include <charconv>
-#include <cmath>
 #include <optional>
+
+#include "core/finite_number.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::size_t kMostRanges = 8;
-
-std::optional<double> NumberIn(std::string_view text) {
-  double number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc() || read.ptr != text.data() + text.size() || !std::isfinite(number))
-    return std::nullopt;
-  return number;
-}
 
 }  // namespace
 
@@ -27,8 +19,8 @@ Result<Region> ParseRegion(const std::string& text) {
     const std::size_t second = part.rfind(':'),
                       first = second == part.npos || second == 0 ? part.npos : part.rfind(':', second - 1);
     if (first == part.npos || first == 0) return BadInput("where: found '{}', expected SIGNAL:FROM:TO", part);
-    const auto from = NumberIn(std::string_view(part).substr(first + 1, second - first - 1)),
-               to = NumberIn(std::string_view(part).substr(second + 1));
+    const auto from = FiniteNumber(std::string_view(part).substr(first + 1, second - first - 1)),
+               to = FiniteNumber(std::string_view(part).substr(second + 1));
     if (!from || !to)
       return BadInput("where: found '{}', expected two numbers behind {}", part, part.substr(0, first));
     if (region.size() == kMostRanges) return BadInput("where: more than {} ranges", kMostRanges);

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 
+#include "core/finite_number.h"
 #include "simulator/random.h"
 
 namespace hydroscope {
@@ -64,10 +64,10 @@ Status HideEffect(const std::string& text, ManipulatorTruth& truth) {
   }
   double size = info->typical_size;
   if (equals != std::string::npos) {
-    const char *begin = text.data() + equals + 1, *end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(begin, end, size);
-    if (error != std::errc{} || rest != end || !std::isfinite(size) || size < 0)
+    const auto given = FiniteNumber(std::string_view(text).substr(equals + 1));
+    if (!given || *given < 0)
       return UsageError("effect '{}': the size must be a number of {}, 0 or more", text, info->unit);
+    size = *given;
   }
   if (id == "payload") {
     truth.payload = size;

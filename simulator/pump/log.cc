@@ -106,6 +106,7 @@ const std::vector<PumpManoeuvreInfo>& AllPumpManoeuvres() {
 Status Validate(const PumpOptions& o) {
   return CheckRanges({{"seconds", o.seconds, 0.5, 3600},
                       {"wear", o.wear, 0, 10},
+                      {"wear_from", o.wear_from, 0, 3600},
                       {"period", o.period, 2e-5, 2e-3},
                       {"speed", o.speed, 50, 1000},
                       {"speed_swing", o.speed_swing, 0, 0.6},

@@ -138,7 +138,8 @@ Status Validate(const TestCylinderOptions& o) {
                                     {"sensor delay", o.sensor_delay, 0, 5e-3, "s"},
                                     {"saturation", o.saturation, 0, 1, "A"},
                                     {"trapped air", o.trapped_air, 0, 0.5, "1"},
-                                    {"specimen", o.specimen, 0, 1e9, "N/m"}});
+                                    {"specimen", o.specimen, 0, 1e9, "N/m"},
+                                    {"begin of the drift", o.drift.from, 0, 1e5, "s"}});
       !s)
     return s;
   constexpr double kMostDrift = 0.5;  // at the end of the log

@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 
+#include "core/finite_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/counted_words.h"
@@ -140,31 +140,26 @@ double RmsOfFloors(const std::vector<StrokeSummary>& strokes) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-std::optional<double> Seconds(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
-  const std::string_view rest(end, static_cast<std::size_t>(text.data() + text.size() - end));
-  return rest == "s" || rest.empty() ? std::optional(value) : std::nullopt;
+/// "81.5s" or "81.5".
+std::optional<double> Seconds(std::string_view text) {
+  if (text.ends_with('s')) text.remove_suffix(1);
+  return FiniteNumber(text);
 }
 
 /// "2025-03-01", "2025-03-01T06:30", "2025-03-01 06:30:05" as seconds since 1970, in the time zone of this computer.
 std::optional<double> Date(const std::string& text) {
-  std::tm date{};
-  int used = 0;
-  char between = 0;
-  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &date.tm_year, &date.tm_mon, &date.tm_mday, &used) != 3 ||
-      used < 8)
-    return std::nullopt;
-  const bool whole_day = static_cast<std::size_t>(used) == text.size();
-  if (!whole_day && std::sscanf(text.c_str() + used, "%c%2d:%2d:%2d", &between, &date.tm_hour, &date.tm_min,
-                                &date.tm_sec) < 3)
-    return std::nullopt;
-  if (!whole_day && between != 'T' && between != ' ') return std::nullopt;
-  date.tm_year -= 1900;
-  date.tm_mon -= 1;
-  date.tm_isdst = -1;  // summer time where it is
-  return static_cast<double>(mktime(&date));
+  for (const char* form :
+       {"%Y-%m-%d", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S"}) {
+    std::tm date{};
+    const char* const end = strptime(text.c_str(), form, &date);
+    if (end == nullptr || *end != '\0') continue;
+    const int day = date.tm_mday;
+    date.tm_isdst = -1;  // summer time where it is
+    const std::time_t time = mktime(&date);
+    return date.tm_mday == day ? std::optional(static_cast<double>(time))
+                               : std::nullopt;  // the 31st of February
+  }
+  return std::nullopt;
 }
 
 Result<std::int64_t> RunBegin(const Database& database, std::int64_t machine, const std::string& number) {

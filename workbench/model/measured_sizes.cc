@@ -1,24 +1,14 @@
 #include "workbench/model/measured_sizes.h"
 
-#include <charconv>
 #include <optional>
 #include <string_view>
 
 #include "core/effect_units.h"
+#include "core/finite_number.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
-namespace {
-
-std::optional<double> Number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
-
-}  // namespace
-
 Result<std::map<std::string, MeasuredSize>> MeasuredSizes(const std::vector<std::string>& texts,
                                                           const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
@@ -43,8 +33,8 @@ Result<std::map<std::string, MeasuredSize>> MeasuredSizes(const std::vector<std:
                         nearest.empty() ? "; 'hydroscope model effects' lists them"
                                         : fmt::format("; did you mean '{}'?", nearest));
     }
-    const auto size = Number(std::string_view(text).substr(equals + 1, colon - equals - 1)),
-               std = Number(std::string_view(text).substr(colon + 1));
+    const auto size = FiniteNumber(std::string_view(text).substr(equals + 1, colon - equals - 1)),
+               std = FiniteNumber(std::string_view(text).substr(colon + 1));
     if (!size || !std || !(*std > 0))
       return UsageError("--measured {}: expected two numbers in {}, the second above 0", text, unit->name);
     measured[id] = {*size / unit->factor, *std / unit->factor};

@@ -25,6 +25,8 @@ TEST(MeasuredSizes, SayWhatIsWrongWithThem) {
   EXPECT_THAT(error("pressure_offset"), HasSubstr("expected EFFECT=SIZE:STANDARD_ERROR"));
   EXPECT_THAT(error("pressure_ofset=1:1"), HasSubstr("did you mean 'pressure_offset'?"));
   EXPECT_THAT(error("pressure_offset=6.5bar:1"), HasSubstr("expected two numbers in bar"));
+  EXPECT_THAT(error("pressure_offset=nan:1"), HasSubstr("expected two numbers in bar"));
+  EXPECT_THAT(error("pressure_offset=6.5:inf"), HasSubstr("expected two numbers in bar"));
   EXPECT_THAT(error("pressure_offset=6.5:0"), HasSubstr("the second above 0"));
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/told_error.h"
 #include "host/text_file.h"
+#include "host/text_sink.h"
 #include "models/find_effect.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"

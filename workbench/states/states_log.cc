@@ -1,17 +1,16 @@
 #include "workbench/states/states_log.h"
 
-#include <fmt/os.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
-#include "core/cannot_write.h"
 #include "core/told_error.h"
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/other_causes/initial_values.h"
 #include "diagnosis/states/spread_pieces.h"
+#include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
@@ -275,28 +274,26 @@ ModelRecord RecordOf(const StatesFit& fit, const std::string& source) {
 }
 
 Status WriteStatesCsv(const StatesFit& fit, const std::string& path) {
-  std::ofstream file(path);
+  std::string csv = "log,episode,t";
+  const auto out = std::back_inserter(csv);
   const StateModel& model = *fit.fit.model;
-  file << "log,episode,t";
   for (const OutputSpec& o : model.machine.states.outputs)
-    file << "," << o.signal << "," << o.signal << "_simulated";
-  for (const StateSpec& s : model.machine.states.states) file << "," << s.name;
-  file << "\n";
+    fmt::format_to(out, ",{},{}_simulated", o.signal, o.signal);
+  for (const StateSpec& s : model.machine.states.states) csv += "," + s.name;
+  csv += "\n";
   for (std::size_t e = 0; e < fit.log.episodes.size(); ++e) {
     const Episode& episode = fit.log.episodes[e];
     const StateRun& run = fit.fit.runs[e];
     for (int row = 0; row < episode.rows(); ++row) {
-      file << fmt::format("{},{},{:.9g}", episode.log, e, episode.time[static_cast<std::size_t>(row)]);
+      fmt::format_to(out, "{},{},{:.9g}", episode.log, e, episode.time[static_cast<std::size_t>(row)]);
       for (int j = 0; j < model.output.rows; ++j)
-        file << fmt::format(",{:.9g},{:.9g}", episode.signal(row, model.outputs[static_cast<std::size_t>(j)]),
-                            run.outputs(row, j));
-      for (int i = 0; i < model.states(); ++i) file << fmt::format(",{:.9g}", run.states(row, i));
-      file << "\n";
+        fmt::format_to(out, ",{:.9g},{:.9g}", episode.signal(row, model.outputs[static_cast<std::size_t>(j)]),
+                       run.outputs(row, j));
+      for (int i = 0; i < model.states(); ++i) fmt::format_to(out, ",{:.9g}", run.states(row, i));
+      csv += "\n";
     }
   }
-  file.flush();
-  if (!file) return CannotWrite(path);
-  return {};
+  return WriteTextFile(path, csv);
 }
 
 }  // namespace hydroscope

@@ -15,12 +15,33 @@ constexpr std::chrono::seconds kPatience{2};
 constexpr int kKeepAlive = 20;       // s
 constexpr int kMostInFlight = 1000;  // messages the library may hold unacknowledged
 
+/// Why a broker refuses a client (MQTT 3.1.1, 3.2.2.3).
+const char* Refusal(int code) {
+  switch (code) {
+    case 1:
+      return "it speaks no MQTT 3.1.1";
+    case 2:
+      return "it refuses the client's name; do its rules allow names as [feeds.sparkplug] group and node make them?";
+    case 3:
+      return "it says that it is not available now";
+    case 4:
+      return "it refuses user or password; see [feeds.sparkplug] user and password_file";
+    case 5:
+      return "it does not let this client in; see [feeds.sparkplug] user, password_file and certificate_file";
+    default:
+      return nullptr;
+  }
+}
+
 /// Runs `body`; what the library throws or does not finish in time becomes an error.
 template <typename Body>
 Status Guarded(const std::string& broker, Body&& body) {
   try {
     if (body()) return {};
     return InternalError("the MQTT broker {} does not answer within {} s", broker, kPatience.count());
+  } catch (const mqtt::exception& exception) {
+    const char* const refusal = Refusal(exception.get_return_code());
+    return BadInput("MQTT broker {}: {}", broker, refusal != nullptr ? refusal : exception.what());
   } catch (const std::exception& exception) {
     return BadInput("MQTT broker {}: {}", broker, exception.what());
   }

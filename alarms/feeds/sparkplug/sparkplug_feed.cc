@@ -14,6 +14,7 @@
 #include "alarms/feeds/sparkplug/payload.h"
 #include "alarms/feeds/sparkplug/primary_host.h"
 #include "alarms/feeds/sparkplug/settings.h"
+#include "alarms/feeds/sparkplug/short_connections.h"
 #include "core/secret_file.h"
 #include "storage/outbox.h"
 
@@ -74,12 +75,11 @@ class SparkplugFeed : public Feed {
  private:
   Status Round() {
     if (const Status done = RoundSteps(); !done) {
-      connection_.reset();  // the next one begins with births
-      born_ = false;
+      DropConnection();
       Report(false);
       return done;
     }
-    Report(born_);
+    Report(born_ && short_.Stands(Now()));
     return std::exchange(stored_, {});
   }
 
@@ -87,8 +87,11 @@ class SparkplugFeed : public Feed {
   /// told all the same.
   Status RoundSteps() {
     stored_ = Fill();
-    if (!connection_ || !connection_->IsConnected())
+    if (!connection_ || !connection_->IsConnected()) {
+      DropConnection();
+      if (!short_.MayBegin(Now())) return {};
       if (const Status connected = Connect(); !connected) return connected;
+    }
     TakeHostState();
     if (!host_.online()) {
       if (born_) Disconnect();  // nobody hears us: what happens now waits in the outbox
@@ -96,7 +99,7 @@ class SparkplugFeed : public Feed {
     }
     if (!born_)
       if (const Status begun = BeginSession(); !begun) return begun;
-    if (const std::int64_t now = clock_().monotonic_ns; rebirth_ && now - reborn_ >= kRebirthPeriod) {
+    if (const std::int64_t now = Now(); rebirth_ && now - reborn_ >= kRebirthPeriod) {
       rebirth_ = false;
       reborn_ = now;
       if (const Status born = Births(); !born) return born;
@@ -135,13 +138,11 @@ class SparkplugFeed : public Feed {
 
   Status Connect() {
     if (!outbox_) return InternalError("{}: the outbox could not be opened", outbox_path_);
-    connection_.reset();
     const auto password = FirstLine(spec_.password_file);
     if (!password) return tl::unexpected(password.error());
     const auto birth = outbox_->NextBirth();
     if (!birth) return tl::unexpected(birth.error());
     birth_death_ = *birth;
-    born_ = false;
     host_.Forget();
     {
       std::lock_guard lock(mutex_);
@@ -150,7 +151,7 @@ class SparkplugFeed : public Feed {
     }
     auto opened = MqttConnection::Open(
         {.broker = spec_.broker,
-         .client_id = fmt::format("hydroscope-{}-{}", group_, node_),
+         .client_id = ClientId(),
          .user = spec_.user,
          .password = *password,
          .will = Death(),
@@ -160,8 +161,16 @@ class SparkplugFeed : public Feed {
          .lost = [this](const std::string& why) { Lost(why); }});
     if (!opened) return tl::unexpected(opened.error());
     connection_ = std::move(*opened);
+    short_.Begun(Now());
     if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
     return host_.is_waited_for() ? connection_->Subscribe(host_.Topic()) : Status{};
+  }
+
+  /// One that is over, or that failed; the next one begins with births.
+  void DropConnection() {
+    if (connection_) short_.Ended(Now());
+    connection_.reset();
+    born_ = false;
   }
 
   /// The end of the node's session as Sparkplug wants it: its death, then the connection.
@@ -216,7 +225,7 @@ class SparkplugFeed : public Feed {
 
   /// Tells axes that changed; one that has something its birth did not announce is born again.
   Status TellAxes() {
-    const std::int64_t now = clock_().monotonic_ns;
+    const std::int64_t now = Now();
     const bool news = std::any_of(spoken_of_.begin(), spoken_of_.end(), [&](const auto& axis) {
       const auto& known = announced_[axis.first].alarms;
       return !std::includes(known.begin(), known.end(), axis.second.begin(), axis.second.end());
@@ -297,6 +306,13 @@ class SparkplugFeed : public Feed {
     status_.connected = heard;
     status_.state = Tell("{} rows wait in the outbox", "{} Zeilen warten im Ausgang", count);
     if (heard) lost_ = {};
+    if (!heard && short_.are_a_habit())
+      lost_ = Tell(
+          "the MQTT broker {} ends each connection soon after it began; does another client call itself {}, or does it not "
+          "let this one publish or subscribe?",
+          "der MQTT-Broker {} beendet jede Verbindung, kaum dass sie steht; nennt sich ein anderer Client {}, oder darf "
+          "dieser hier nicht senden oder abonnieren?",
+          spec_.broker, ClientId());
     if (!lost_.empty()) status_.state = Tell("{}; {}", "{}; {}", lost_, status_.state);
     if (!host_.online())
       status_.state = Tell("the primary host {} is offline; {}", "der Leitrechner {} ist nicht verbunden; {}",
@@ -342,6 +358,8 @@ class SparkplugFeed : public Feed {
     return fmt::format("{}/{}", NodeTopic(kind),
                        sparkplug::TopicPart(machine.substr(machine.rfind('/') + 1)));
   }
+  std::string ClientId() const { return fmt::format("hydroscope-{}-{}", group_, node_); }
+  std::int64_t Now() const { return clock_().monotonic_ns; }
   double Wall() const { return static_cast<double>(clock_().wall_ns) * 1e-9; }
 
   SparkplugFeedSpec spec_;
@@ -359,6 +377,7 @@ class SparkplugFeed : public Feed {
   std::int64_t pictured_ = 0;              // ns, monotonic
   std::int64_t reborn_ = -kRebirthPeriod;  // ns, monotonic, last births that somebody asked for
   std::unique_ptr<MqttConnection> connection_;
+  ShortConnections short_;
 
   sparkplug::PrimaryHost host_;
   bool born_ = false;  // in this connection

@@ -215,5 +215,53 @@ TEST_F(SparkplugTlsTest, AFileThatIsNotThereIsNamed) {
   EXPECT_THAT(status().state.english, HasSubstr("lost.key cannot be read"));
 }
 
+TEST_F(SparkplugFeedTest, AnotherClientOfTheSameNameIsToldAndNotFoughtWith) {
+  StartBroker();
+  Program rival;  // it connects anew a second after it was put out
+  rival.Start("mosquitto_sub",
+              {"-h", "127.0.0.1", "-p", broker().port(), "-i", "hydroscope-hydroscope-press", "-t", "any"},
+              File("rival"));
+  StartFeed();
+  ASSERT_TRUE(WaitUntil(
+      [&] {
+        return status().state.english.find("call itself hydroscope-hydroscope-press") != std::string::npos;
+      },
+      20))
+      << status().state.english;
+  EXPECT_FALSE(status().connected);
+  const std::size_t births = host().Count("NBIRTH");
+  EXPECT_LT(births, 8u);
+  rival.Kill();
+  EXPECT_TRUE(WaitUntil([&] { return status().connected; }, 20)) << status().state.english;
+}
+
+TEST_F(SparkplugFeedTest, ARefusalOfTheBrokerIsToldInWords) {
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{
+      .sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(listener, 8), 0);
+  getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  std::thread broker([listener] {
+    for (int client = 0; (client = accept(listener, nullptr, nullptr)) >= 0; close(client)) {
+      char connect[256];
+      if (read(client, connect, sizeof connect) <= 0) continue;
+      constexpr char kNotAuthorised[] = {0x20, 2, 0, 5};
+      static_cast<void>(write(client, kNotAuthorised, sizeof kNotAuthorised));
+    }
+  });
+  SparkplugFeedSpec spec = Spec();
+  spec.broker = fmt::format("tcp://127.0.0.1:{}", ntohs(address.sin_port));
+  StartFeed(spec);
+  EXPECT_TRUE(WaitUntil([&] {
+    return status().state.english.find("does not let this client in") != std::string::npos;
+  })) << status().state.english;
+  StopFeed();
+  shutdown(listener, SHUT_RDWR);
+  broker.join();
+  close(listener);
+}
+
 }  // namespace
 }  // namespace hydroscope
