@@ -121,6 +121,7 @@ StateCandidate CandidateFits::FittedNear(const StateContender& contender, const 
 StateCandidate CandidateFits::FittedFromAfar(const StateCandidate& fitted) const {
   StateFitOptions rough = options_.fit;  // its best minimum is fitted on with the others' noise
   rough.polished = 1;
+  rough.until_white = true;
   rough.iterations = options_.screen_iterations;
   rough.tolerance = options_.screen_tolerance;
   const StateFit afar = FitStates(fitted.fit.model, few_, rough);

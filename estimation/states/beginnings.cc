@@ -101,7 +101,9 @@ class BeginningSearch {
       const int state = free_[static_cast<std::size_t>(k)];
       start(state, parameters + k) = task_.state_scale[state];
     }
-    simulator_.Run(episode, segment.first, segment.first + rows - 1, x0, &start, run_);
+    if (task_.GivenUp()) return {};
+    const Segment first_rows{segment.episode, segment.first, segment.first + rows - 1, false};
+    task_.Run(episode, first_rows, x0, &start, simulator_, run_);
     if (run_.diverged) return {};
     Sums sums{0.5 * (at - prior).squaredNorm(), Eigen::MatrixXd::Identity(free, free), at - prior};
     for (Eigen::Index row = 0; row < rows; ++row)

@@ -10,6 +10,7 @@
 #include "estimation/states/fit_task.h"
 #include "estimation/states/growing.h"
 #include "estimation/states/shooting.h"
+#include "estimation/states/white_noise.h"
 
 namespace hydroscope {
 namespace {
@@ -105,6 +106,14 @@ bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit)
     fit.runs.push_back(std::move(run));
   }
   return true;
+}
+
+/// Whether a point leaves noise without any memory: there is no better minimum.
+bool LeavesWhite(shooting::Task task, const shooting::Point& point) {
+  task.effort.reset();
+  StateFit fit;
+  fit.model = task.model;
+  return TakeRuns(task, point, fit) && AreWhite(fit.residuals);
 }
 
 /// Fits all rows from a point, twice where several outputs are weighted by their noise.
@@ -216,32 +225,42 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
                    const StateFitOptions& options) {
   if (GrowsHorizon(*model)) return FitStarts(shooting::TaskOf(model, episodes), options);
   const std::vector<Episode> few = shooting::FirstRows(episodes, options.start_rows);
-  const shooting::Task task = shooting::TaskOf(model, few);
+  shooting::Task task = shooting::TaskOf(model, few);
+  task.effort = std::make_shared<shooting::Effort>();
   const std::vector<Eigen::VectorXd> starts = shooting::StartsOf(task, options);
   struct Candidate {
     shooting::Point point;
     int starts = 1;
   };
   std::vector<Candidate> found;
-  int diverged = 0;
+  int tried = 0, diverged = 0;
   double least = 0;
+  std::int64_t spent = 0;
   for (const Eigen::VectorXd& start : starts) {
+    ++tried;
+    task.effort->spent = 0;
     shooting::Point point = FromStart(task, start, (1 + options.same_minimum) * least, options);
     if (!point.valid) {
       ++diverged;
       continue;
     }
-    least = found.empty() ? point.cost : std::min(least, point.cost);
+    spent += task.effort->spent;
+    task.effort->most =
+        static_cast<std::int64_t>(options.most_effort * static_cast<double>(spent) / (tried - diverged));
+    const bool best = found.empty() || point.cost < least;
+    least = best ? point.cost : least;
+    const bool white = options.until_white && best && LeavesWhite(task, point);
     const auto same = std::find_if(found.begin(), found.end(), [&](const Candidate& c) {
       return std::abs(c.point.cost - point.cost) <=
              options.same_minimum * std::min(c.point.cost, point.cost) + 1e-12;
     });
     if (same == found.end()) {
       found.push_back({std::move(point)});
-      continue;
+    } else {
+      ++same->starts;
+      if (point.cost < same->point.cost) same->point = std::move(point);
     }
-    ++same->starts;
-    if (point.cost < same->point.cost) same->point = std::move(point);
+    if (white) break;
   }
   if (found.empty()) {
     StateFit none;
@@ -271,7 +290,7 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
   for (const Candidate& c : found)
     best.minima.push_back({shooting::Unscaled(task, c.point.q),
                            std::sqrt(c.point.cost / std::max(found.front().point.cost, 1e-300)), c.starts});
-  best.starts_tried = static_cast<int>(starts.size());
+  best.starts_tried = tried;
   best.starts_diverged = diverged;
   return best;
 }

@@ -19,8 +19,11 @@ struct StateFitOptions {
   double horizon_tolerance = 3e-3;  ///< relative change of the cost at which it grows
   /// Energy of the error over that of white noise at which no further start is tried there.
   double at_noise = 1.1;
-  int polished = 2;     ///< minima that are fitted to all rows
-  int iterations = 60;  ///< of the last fit
+  /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.
+  double most_effort = 8;
+  bool until_white = false;  ///< no further start is tried once one leaves white noise
+  int polished = 2;          ///< minima that are fitted to all rows
+  int iterations = 60;       ///< of the last fit
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit

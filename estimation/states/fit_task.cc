@@ -79,7 +79,7 @@ Eigen::VectorXd StateScale(const Task& task, const Eigen::VectorXd& theta) {
 
 Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes) {
   constexpr double kFirstNoise = 0.05;  // of an output's variation; found anew once there is a fit
-  Task task{model, episodes, ParameterScale(*model), {}, {}, 0};
+  Task task{model, episodes, ParameterScale(*model), {}, {}, 0, false, nullptr};
   task.noise = kFirstNoise * OutputScale(*model, episodes);
   Eigen::VectorXd start(model->parameter_count());
   for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[static_cast<std::size_t>(p)].spec.start;

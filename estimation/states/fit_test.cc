@@ -70,6 +70,20 @@ TEST_P(FitOfALongRecord, IntervalsAreThoseOfWhatIsLeftWhateverTheWeights) {
   EXPECT_NEAR(compared.covariance(0, 0), own.covariance(0, 0), 0.05 * own.covariance(0, 0));
 }
 
+TEST_P(FitOfALongRecord, TriesNoFurtherStartOnceOneLeavesWhiteNoise) {
+  options_.start_rows = 1000;
+  EXPECT_EQ(FitStates(model_, std::span(&episode_, 1), options_).starts_tried, 3);
+  options_.until_white = true;
+  EXPECT_EQ(FitStates(model_, std::span(&episode_, 1), options_).starts_tried, 1);
+}
+
+TEST_P(FitOfALongRecord, GivesUpStartsThatCostFarMoreThanOthers) {
+  options_.most_effort = 0.01;
+  const StateFit fit = FitStates(model_, std::span(&episode_, 1), options_);
+  EXPECT_EQ(fit.starts_tried, 3);
+  EXPECT_EQ(fit.starts_diverged, 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Noise, FitOfALongRecord, testing::Values(1, 2, 3));
 
 }  // namespace

@@ -50,7 +50,8 @@ class SegmentCost : public ceres::CostFunction {
       for (std::size_t k = 0; k < free_.size(); ++k)
         start_slopes_(free_[k], parameters + static_cast<int>(k)) = task_.state_scale[free_[k]];
     }
-    simulator_.Run(episode, segment_.first, segment_.last, x0, want ? &start_slopes_ : nullptr, run_);
+    if (task_.GivenUp()) return false;
+    task_.Run(episode, segment_, x0, want ? &start_slopes_ : nullptr, simulator_, run_);
     if (run_.diverged) return false;
     Fill(episode, residuals);
     const double* next = segment_.joined ? blocks[block] : nullptr;
@@ -258,6 +259,8 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
   options.function_tolerance = tolerance;
   options.parameter_tolerance = 1e-3 * tolerance;
   options.num_threads = 1;
+  // A cubic one wants sensitivities at each trial, which cost a multiple of a run.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   point.valid = summary.termination_type != ceres::FAILURE;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -61,6 +62,12 @@ struct Segment {
   bool joined = false;                   ///< the next segment goes on where it ends
 };
 
+/// What runs of one start cost so far (StateSimulator::work), and what they may.
+struct Effort {
+  std::int64_t spent = 0, most = std::numeric_limits<std::int64_t>::max();
+  bool exhausted() const { return spent > most; }
+};
+
 /// What all segments share.
 struct Task {
   std::shared_ptr<const StateModel> model;
@@ -71,7 +78,16 @@ struct Task {
   double joint = 0;             ///< standard deviation of a joint, in state_scale
   /// Parameters are followed by the gains of the innovations form (StateSimulator::SetGain).
   bool predicts = false;
+  std::shared_ptr<Effort> effort;  ///< what exceeds it counts as diverged; null: nothing does
 
+  bool GivenUp() const { return effort && effort->exhausted(); }
+  void Run(const Episode& episode, const Segment& segment, const Eigen::VectorXd& x0,
+           const RowMatrix* start_slopes, StateSimulator& simulator, StateRun& run) const {
+    const std::int64_t before = simulator.work();
+    simulator.Run(episode, segment.first, segment.last, x0, start_slopes, run);
+    if (effort) effort->spent += simulator.work() - before;
+    run.diverged = run.diverged || GivenUp();
+  }
   int gains() const { return predicts ? model->states() * model->output.rows : 0; }
   /// Of a run: parameters, with the gains behind them.
   void Set(const Eigen::VectorXd& all, StateSimulator& simulator) const {

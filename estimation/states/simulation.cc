@@ -177,6 +177,7 @@ bool StateSimulator::Clamp() {
 bool StateSimulator::Interval(double period) {
   constexpr double kStableAgain = 2.5;  // what a step times the fastest rate is cut to where it is not stable
   constexpr double kSafety = 0.9, kSmallest = 0.2, kLargest = 5, kWhole = 1 - 1e-9;
+  constexpr int kImplicitWork = 10, kSlopesWork = 4;  // roughly
   constexpr double kSafetyTo4 = kSafety * kSafety * kSafety * kSafety;
   double done = 0;
   int taken = 0;
@@ -187,6 +188,7 @@ bool StateSimulator::Interval(double period) {
     const bool fine =
         stiff_ ? ImplicitStep(done, share, period, error) : ExplicitStep(done, share, period, error);
     ++steps_;
+    work_ += (stiff_ ? kImplicitWork : 1) * (with_slopes_ ? kSlopesWork : 1);
     if (++taken > options_.max_steps) return false;
     if (!stiff_ && taken > options_.stiff_steps) {
       stiff_ = true;

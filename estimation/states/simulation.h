@@ -89,6 +89,7 @@ class StateSimulator {
   /// SI; min of each state, then max of each.
   const Eigen::VectorXd& limits() const { return limits_; }
   std::int64_t steps() const { return steps_; }  ///< taken since it was made
+  std::int64_t work() const { return work_; }    ///< what they cost, in explicit steps without sensitivities
 
  private:
   std::vector<double> InitialRegisters(const Episode& episode) const;
@@ -150,7 +151,7 @@ class StateSimulator {
   bool stiff_ = false, with_slopes_ = false;
   bool limited_ = true;  ///< some state has a limit
   double next_share_ = 1, fastest_ = 0;
-  std::int64_t steps_ = 0;
+  std::int64_t steps_ = 0, work_ = 0;
 };
 
 }  // namespace hydroscope

@@ -20,4 +20,23 @@ double WhiteNoiseVariance::Value() const {
   return count_ > 0 ? energy_ / (kEnergy * count_) : 0;
 }
 
+bool AreWhite(const std::vector<RowMatrix>& residuals) {
+  constexpr Eigen::Index kLags = 20;
+  constexpr double kMemory = 0.15;
+  const Eigen::Index outputs = residuals.empty() ? 0 : residuals.front().cols();
+  for (Eigen::Index j = 0; j < outputs; ++j)
+    for (Eigen::Index lag = 1; lag <= kLags; ++lag) {
+      double product = 0, energy = 0;
+      for (const RowMatrix& residual : residuals)
+        for (Eigen::Index row = lag; row < residual.rows(); ++row) {
+          const double now = residual(row, j), then = residual(row - lag, j);
+          if (!std::isfinite(now) || !std::isfinite(then)) continue;
+          product += now * then;
+          energy += 0.5 * (now * now + then * then);
+        }
+      if (std::abs(product) > kMemory * energy) return false;
+    }
+  return true;
+}
+
 }  // namespace hydroscope

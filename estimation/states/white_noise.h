@@ -1,6 +1,9 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <vector>
+
+#include "estimation/episode.h"
 
 namespace hydroscope {
 
@@ -17,5 +20,8 @@ class WhiteNoiseVariance {
  private:
   double energy_ = 0, count_ = 0;
 };
+
+/// Whether no column remembers itself: correlations over 1 ... 20 rows stay below 0.15.
+bool AreWhite(const std::vector<RowMatrix>& residuals);
 
 }  // namespace hydroscope
