@@ -219,57 +219,72 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   return fit;
 }
 
+/// Minima that several starts reached, best first, and how the starts went.
+struct MinimaSearch {
+  struct Minimum {
+    shooting::Point point;
+    int starts = 1;
+  };
+  std::vector<Minimum> minima;
+  int tried = 0, diverged = 0;
+
+  void Add(shooting::Point point, double same_minimum) {
+    const auto same = std::find_if(minima.begin(), minima.end(), [&](const Minimum& m) {
+      return std::abs(m.point.cost - point.cost) <= same_minimum * std::min(m.point.cost, point.cost) + 1e-12;
+    });
+    if (same == minima.end()) {
+      minima.push_back({std::move(point)});
+      return;
+    }
+    ++same->starts;
+    if (point.cost < same->point.cost) same->point = std::move(point);
+  }
+};
+
+/// A start that costs far more than those before it is given up.
+MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>& starts,
+                        const StateFitOptions& options) {
+  task.effort = std::make_shared<shooting::Effort>();
+  MinimaSearch search;
+  double least = std::numeric_limits<double>::infinity();
+  std::int64_t spent = 0;
+  for (const Eigen::VectorXd& start : starts) {
+    ++search.tried;
+    task.effort->spent = 0;
+    const double beaten = search.minima.empty() ? 0 : (1 + options.same_minimum) * least;
+    shooting::Point point = FromStart(task, start, beaten, options);
+    if (!point.valid) {
+      ++search.diverged;
+      continue;
+    }
+    spent += task.effort->spent;
+    task.effort->most = static_cast<std::int64_t>(options.most_effort * static_cast<double>(spent) /
+                                                  (search.tried - search.diverged));
+    const bool white = options.until_white && point.cost < least && LeavesWhite(task, point);
+    least = std::min(least, point.cost);
+    search.Add(std::move(point), options.same_minimum);
+    if (white) break;
+  }
+  std::sort(search.minima.begin(), search.minima.end(),
+            [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
+  return search;
+}
+
 }  // namespace
 
 StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                    const StateFitOptions& options) {
   if (GrowsHorizon(*model)) return FitStarts(shooting::TaskOf(model, episodes), options);
   const std::vector<Episode> few = shooting::FirstRows(episodes, options.start_rows);
-  shooting::Task task = shooting::TaskOf(model, few);
-  task.effort = std::make_shared<shooting::Effort>();
+  const shooting::Task task = shooting::TaskOf(model, few);
   const std::vector<Eigen::VectorXd> starts = shooting::StartsOf(task, options);
-  struct Candidate {
-    shooting::Point point;
-    int starts = 1;
-  };
-  std::vector<Candidate> found;
-  int tried = 0, diverged = 0;
-  double least = 0;
-  std::int64_t spent = 0;
-  for (const Eigen::VectorXd& start : starts) {
-    ++tried;
-    task.effort->spent = 0;
-    shooting::Point point = FromStart(task, start, (1 + options.same_minimum) * least, options);
-    if (!point.valid) {
-      ++diverged;
-      continue;
-    }
-    spent += task.effort->spent;
-    task.effort->most =
-        static_cast<std::int64_t>(options.most_effort * static_cast<double>(spent) / (tried - diverged));
-    const bool best = found.empty() || point.cost < least;
-    least = best ? point.cost : least;
-    const bool white = options.until_white && best && LeavesWhite(task, point);
-    const auto same = std::find_if(found.begin(), found.end(), [&](const Candidate& c) {
-      return std::abs(c.point.cost - point.cost) <=
-             options.same_minimum * std::min(c.point.cost, point.cost) + 1e-12;
-    });
-    if (same == found.end()) {
-      found.push_back({std::move(point)});
-    } else {
-      ++same->starts;
-      if (point.cost < same->point.cost) same->point = std::move(point);
-    }
-    if (white) break;
-  }
+  const auto [found, tried, diverged] = FindMinima(task, starts, options);
   if (found.empty()) {
     StateFit none;
     none.model = model;
     none.failed = shooting::DivergedText(task, starts.front());
     return none;
   }
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
 
   shooting::Task all = shooting::TaskOf(model, episodes);
   all.noise = task.noise;
@@ -287,9 +302,9 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
       best = std::move(fit);
     }
   }
-  for (const Candidate& c : found)
-    best.minima.push_back({shooting::Unscaled(task, c.point.q),
-                           std::sqrt(c.point.cost / std::max(found.front().point.cost, 1e-300)), c.starts});
+  for (const auto& [point, times] : found)
+    best.minima.push_back({shooting::Unscaled(task, point.q),
+                           std::sqrt(point.cost / std::max(found.front().point.cost, 1e-300)), times});
   best.starts_tried = tried;
   best.starts_diverged = diverged;
   return best;

@@ -70,7 +70,8 @@ struct StateFit {
   std::vector<StateMinimum> minima;  ///< best first; empty: fitted from one start only
   std::vector<UnseenDirection> unseen;
   std::vector<bool> at_limit;  ///< per parameter: stands at a limit of its range
-  int starts_tried = 0, starts_diverged = 0;
+  int starts_tried = 0;
+  int starts_diverged = 0;  ///< ... or given up because their runs cost far more than others'
 
   bool solved() const { return failed.empty(); }
   int readings() const;

@@ -84,7 +84,8 @@ std::string StartsText(const StateFit& fit) {
   if (fit.minima.size() > 1)
     text += fmt::format(", {} other minima (the next with {:.3g} times the error, {} starts)",
                         fit.minima.size() - 1, fit.minima[1].cost, fit.minima[1].starts);
-  if (fit.starts_diverged > 0) text += fmt::format(", from {} the model diverges", fit.starts_diverged);
+  if (fit.starts_diverged > 0)
+    text += fmt::format(", from {} the model diverges or runs far slower", fit.starts_diverged);
   return text + "\n";
 }
 
