@@ -78,7 +78,7 @@ TEST(FlexibleAxis, RefusesWhatCannotBe) {
   o.rows = 1;
   const Status status = Validate(o);
   ASSERT_FALSE(status);
-  EXPECT_NE(status.error().text.find("rows 1"), std::string::npos);
+  EXPECT_NE(status.error().text.find("rows is 1"), std::string::npos);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(Pump, RefusesWhatCannotBe) {
   o.seconds = 0;
   const Status status = Validate(o);
   ASSERT_FALSE(status);
-  EXPECT_NE(status.error().text.find("seconds 0"), std::string::npos);
+  EXPECT_NE(status.error().text.find("seconds is 0"), std::string::npos);
 }
 
 }  // namespace
