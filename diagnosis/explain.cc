@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/constants.h"
+#include "core/relative_change.h"
 #include "diagnosis/doubts.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
@@ -314,17 +315,23 @@ void Explainer::LookForBias(Explanation& out) const {
     return model.derive(fit.theta.head(model.base_count));
   };
   const std::vector<DerivedParameter> as_is = parameters(start_.fit);
+  const Eigen::MatrixXd covariance = start_.fit.covariance.topLeftCorner(model.base_count, model.base_count);
   for (const RankedEffect& r : out.ranking) {
     if (!r.fit.solved || !r.lawful || !r.testable || r.p_value >= options_.sure_of_more) continue;
     const std::vector<DerivedParameter> with = parameters(r.fit);
     for (std::size_t p = 0; p < as_is.size(); ++p) {
-      const double moved = with[p].value / as_is[p].value - 1;
-      if (std::abs(moved) < options_.biased) continue;
+      const double change = with[p].value - as_is[p].value;
+      if (std::abs(change) < options_.biased * as_is[p].useful_std()) continue;
+      const double std = std::sqrt(as_is[p].gradient.dot(covariance * as_is[p].gradient));
+      const auto share = RelativeChange(as_is[p].value, std, change);
+      if (!share) continue;
       out.verdict = Verdict::kUnknown;
       out.doubt = Tell(
-          "a small error is sure, too small to name its cause, and {} hangs on it: it would change by {:+.0f} % with {}",
-          "ein kleiner Fehler ist sicher, zu klein für den Namen seiner Ursache, und {0} hängt an ihm: mit {2} änderte es sich um {1:+.0f} %",
-          as_is[p].name, 100 * moved, r.id);
+          "a small error is sure, too small to name its cause, and {} hangs on it: it would change by {:+.0f} % "
+          "with {}",
+          "ein kleiner Fehler ist sicher, zu klein für den Namen seiner Ursache, und {0} hängt an ihm: mit {2} "
+          "änderte es sich um {1:+.0f} %",
+          as_is[p].name, 100 * *share, r.id);
       return;
     }
   }

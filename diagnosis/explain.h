@@ -116,8 +116,9 @@ struct ExplainOptions {
   double chance_at_floor = 1e-4;
   /// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
   double sure_of_more = 1e-6;
-  /// Share of a parameter of the model that an effect too small for a name may move without a word.
-  double biased = 0.1;
+  /// Share of DerivedParameter::useful_std by which an effect too small for a name may move a parameter without a word: a tenth
+  /// of the value, of one without a unit 0.017.
+  double biased = 1.0 / 3;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 

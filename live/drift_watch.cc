@@ -39,8 +39,8 @@ Told NothingComes(const Names& channels) {
 Told NothingOfUse(const Names& channels) {
   return Tell(
       "no usable samples of {}: they are no numbers, or outside min and max of the machine file; check the sensor and its cable",
-      "keine brauchbaren Werte von {}: keine Zahlen oder außerhalb von min und max der Maschinendatei; den Sensor und sein "
-      "Kabel prüfen",
+      "keine brauchbaren Werte von {}: keine Zahlen oder außerhalb von min und max der Maschinendatei; "
+      "den Sensor und sein Kabel prüfen",
       fmt::format("{}", fmt::join(channels, ", ")));
 }
 Told AtAnotherRate(const Names& channels) {
