@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 namespace {
