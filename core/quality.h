@@ -27,13 +27,15 @@ inline constexpr Quality kStale = 1 << 10;   ///< a held reading older than its 
 inline constexpr Quality kFuture = 1 << 11;  ///< beyond what the sender's clock allows (live only)
 inline constexpr Quality kExpression = 1
                                        << 12;  ///< an expression of the machine file is no finite number here
+inline constexpr Quality kInterpolated =
+    1 << 13;  ///< on a straight line that a logger drew between two readings
 
 struct FlagName {
   Quality flag;
   std::string_view name;
 };
 /// Every flag with the name used in messages, JSON and the database.
-inline constexpr std::array<FlagName, 13> kFlagNames = {{{kMissing, "missing"},
+inline constexpr std::array<FlagName, 14> kFlagNames = {{{kMissing, "missing"},
                                                          {kStuck, "stuck"},
                                                          {kSpike, "spike"},
                                                          {kOutOfRange, "out_of_range"},
@@ -45,7 +47,8 @@ inline constexpr std::array<FlagName, 13> kFlagNames = {{{kMissing, "missing"},
                                                          {kOffsetDrift, "offset_drift"},
                                                          {kStale, "stale"},
                                                          {kFuture, "future"},
-                                                         {kExpression, "expression"}}};
+                                                         {kExpression, "expression"},
+                                                         {kInterpolated, "interpolated"}}};
 }  // namespace quality
 
 }  // namespace hydroscope

@@ -30,7 +30,7 @@ Result<std::vector<StrokeRecord>> ReplayRun(const std::string& path, const Datab
   if (*state)
     static_cast<void>((*pipeline)->RestoreState(**state));  // as the service: anew if it does not fit
   LogPassHooks as_live;
-  as_live.look_for_copies = false;
+  as_live.distrust_logger = false;
   const auto pass = PassLog(**reader, *machine, pipeline->get(), fmt::format("run {}", run.id), as_live);
   if (!pass) return tl::unexpected(pass.error());
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);

@@ -70,7 +70,7 @@ bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
 }
 
 bool EpisodeCutter::InputsGood(const SampleBlock& block, std::size_t row) const {
-  constexpr Quality kForgiven = kTimeBreaks | quality::kSpike | quality::kStuck;
+  constexpr Quality kForgiven = kTimeBreaks | quality::kSpike | quality::kStuck | quality::kInterpolated;
   for (std::size_t s = 0; s < input_.size(); ++s)
     if (input_[s] && !GoodReading(block.signal[s][row], block.quality[s][row], kForgiven)) return false;
   return true;

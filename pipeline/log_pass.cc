@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "acquisition/repeated_rows.h"
+#include "acquisition/straight_runs.h"
 #include "host/output.h"
 
 namespace hydroscope {
@@ -53,7 +54,11 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   LogPass pass;
   QualityMonitor monitor(machine, reader.SamplePeriod());
   std::optional<RepeatedRows> repeated;
-  if (hooks.look_for_copies) repeated.emplace(machine.signals.size());
+  std::optional<StraightRuns> straight;
+  if (hooks.distrust_logger) {
+    repeated.emplace(machine.signals.size());
+    straight.emplace(machine.signals.size());
+  }
   ReadingFaults faults(machine, reader.SamplePeriod());
   const auto pass_on = [&](const SampleBlock& block) {
     faults.Observe(block, monitor.channels());
@@ -69,9 +74,15 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
     }
     if (*rows == 0) break;
     if (repeated) repeated->Flag(block);
+    if (straight) straight->Inspect(block);
     monitor.Inspect(block);
     if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
     progress.Update(reader.Progress(), reader.counters().rows);
+  }
+  if (straight) {
+    straight->Flush(block);
+    monitor.Inspect(block);
+    if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
   }
   monitor.Flush(block);
   if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());

@@ -26,8 +26,9 @@ struct LogPassHooks {
   std::function<void(const SampleBlock&)> observe;
   /// Runs after every block; an error ends the pass.
   std::function<Status()> after_block;
-  /// Rows that repeat earlier ones are no evidence. The live service does not look for them, nor does what replays it bit by bit.
-  bool look_for_copies = true;
+  /// Whether to look for what no source sent: rows that repeat earlier ones, readings drawn between others. The live service does
+  /// not look for them, nor does what replays it bit by bit.
+  bool distrust_logger = true;
 };
 
 /// What the monitor saw of each channel, into pass.channels and the summary.

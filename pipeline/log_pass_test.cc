@@ -53,15 +53,36 @@ TEST(LogPass, RowsThatWereWrittenTwiceAreNoFurtherEvidence) {
   PressOptions options;
   options.seconds = 40;
   const Machine machine = MachineFor(options);
-  const auto pass_of = [&](bool look_for_copies) {
+  const auto pass_of = [&](bool distrust_logger) {
     RowsReader reader(WrittenTwice(options, machine), 0.002);
     LogPassHooks hooks;
-    hooks.look_for_copies = look_for_copies;
+    hooks.distrust_logger = distrust_logger;
     return *PassLog(reader, machine, nullptr, "reading", hooks);
   };
   EXPECT_NEAR(static_cast<double>(pass_of(true).copied_rows), 10000, 40);
   EXPECT_GT(pass_of(true).summary.flagged.at("p_A").at("duplicate"), 9900);
   EXPECT_EQ(pass_of(false).copied_rows, 0) << "as the live service";
+}
+
+/// Ten readings of every 200 of p_A lie on the straight line that a logger drew for those that it did not get.
+TEST(LogPass, ReadingsThatALoggerDrewAreNone) {
+  PressOptions options;
+  options.seconds = 40;
+  const Machine machine = MachineFor(options);
+  SimulatedLog log = SimulatePress(options);
+  for (std::size_t k = 100; k + 11 < log.rows(); k += 200)
+    for (std::size_t i = 1; i <= 10; ++i)
+      log.p_A[k + i] = log.p_A[k] + (log.p_A[k + 11] - log.p_A[k]) * static_cast<double>(i) / 11;
+  const auto flagged = [&](bool distrust_logger) {
+    RowsReader reader(RowsOf(log, machine), 0.002);
+    LogPassHooks hooks;
+    hooks.distrust_logger = distrust_logger;
+    return PassLog(reader, machine, nullptr, "reading", hooks)->summary.flagged;
+  };
+  const auto drawn = flagged(true);
+  EXPECT_NEAR(static_cast<double>(drawn.at("p_A").at("interpolated")), 1000, 100);
+  EXPECT_FALSE(drawn.contains("z"));
+  EXPECT_TRUE(flagged(false).empty()) << "as the live service";
 }
 
 /// Reads a press whose rows went through `change`.

@@ -1,6 +1,7 @@
 #include "workbench/plausibility.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -138,6 +139,19 @@ void JudgeCopies(const CheckResult& check, std::vector<Told>& hints) {
       check.pass.copied_rows));
 }
 
+void JudgeDrawn(const CheckResult& check, std::vector<Told>& hints) {
+  constexpr auto kBit =
+      static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(quality::kInterpolated)));
+  for (const ChannelQuality& channel : check.pass.channels)
+    if (const std::int64_t drawn = channel.flagged[kBit]; drawn > 0)
+      hints.push_back(Tell(
+          "{}: {} readings lie on straight lines between others: the logger had none and drew them. They are left out as "
+          "interpolated",
+          "{}: {} Werte liegen auf Geraden zwischen anderen: der Logger hatte keine und hat sie gezogen. Sie bleiben als "
+          "interpoliert außer Betracht",
+          channel.name, drawn));
+}
+
 void JudgeFaults(const LogPass& pass, std::vector<Told>& hints) {
   if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
   for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
@@ -196,6 +210,7 @@ std::vector<Told> PlausibilityHints(const CheckResult& check) {
     JudgeGood(check, signal, hints);
   }
   JudgeCopies(check, hints);
+  JudgeDrawn(check, hints);
   JudgeFaults(check.pass, hints);
   JudgeGate(check, hints);
   JudgeVariety(check.driving, hints);

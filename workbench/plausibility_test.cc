@@ -84,6 +84,15 @@ TEST(Plausibility, RowsThatWereWrittenTwiceAreTold) {
               ElementsAre(HasSubstr("369 rows repeat earlier rows to the last digit")));
 }
 
+TEST(Plausibility, ReadingsThatALoggerDrewAreTold) {
+  CheckResult check = With("p_A", "Pa", 1e5, 210e5);
+  check.pass.channels.resize(1);
+  check.pass.channels[0].name = "p_A";
+  check.pass.channels[0].flagged[13] = 6191;
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)),
+              ElementsAre(HasSubstr("p_A: 6191 readings lie on straight lines")));
+}
+
 TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
   CheckResult check;
   check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};

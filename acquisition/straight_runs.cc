@@ -1,0 +1,127 @@
+#include "acquisition/straight_runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+/// Rounding moves each of three readings by half a step at most, that in the middle twice: 2, and a little for the doubles.
+constexpr double kRoundedBend = 2.05;
+/// Of bends of white noise, in their standard deviations: the tenth that is smallest, and the density at 0.
+constexpr double kLeastBent = 0.1, kLeastOfNormal = 0.1257, kDensityAtZero = 0.3989;
+/// Neighbouring bends of white noise have opposite signs at three readings of four (correlation -2/3), those of motion and of
+/// corners between straight lines seldom.
+constexpr std::int64_t kBentToTell = 100;
+constexpr double kOpposedBends = 0.3;
+constexpr double kRareRun = 1e-8;
+constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 8;
+constexpr double kBinsPerOctave = 2, kLeastExponent = -64;
+
+double SizeOfBin(std::size_t bin) {
+  return std::exp2((static_cast<double>(bin) + 0.5) / kBinsPerOctave + kLeastExponent);
+}
+
+/// Puts the rows of `back` behind those of `front`.
+void Append(const SampleBlock& back, SampleBlock& front) {
+  front.signal.resize(back.signal.size());
+  front.quality.resize(back.quality.size());
+  front.time.insert(front.time.end(), back.time.begin(), back.time.end());
+  for (std::size_t c = 0; c < back.signal.size(); ++c) {
+    front.signal[c].insert(front.signal[c].end(), back.signal[c].begin(), back.signal[c].end());
+    front.quality[c].insert(front.quality[c].end(), back.quality[c].begin(), back.quality[c].end());
+  }
+}
+
+/// Takes the last `rows` rows off `block`.
+SampleBlock TakeEnd(SampleBlock& block, std::size_t rows) {
+  const auto at = static_cast<std::ptrdiff_t>(block.rows() - rows);
+  SampleBlock end;
+  end.time.assign(block.time.begin() + at, block.time.end());
+  for (const auto& column : block.signal) end.signal.emplace_back(column.begin() + at, column.end());
+  for (const auto& column : block.quality) end.quality.emplace_back(column.begin() + at, column.end());
+  block.Resize(block.signal.size(), block.rows() - rows);
+  return end;
+}
+
+}  // namespace
+
+StraightRuns::StraightRuns(std::size_t signals) : channels_(signals) {}
+
+void StraightRuns::Inspect(SampleBlock& block) {
+  if (block.rows() == 0) return;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    Learn(block.signal[c], channels_[c]);
+    Judge(channels_[c]);
+  }
+  Append(block, held_);
+  std::swap(block, held_);
+  std::size_t open = 1;
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    open = std::max(open, Flag(block.signal[c], channels_[c], block.quality[c]));
+  held_ = TakeEnd(block, std::min(open, block.rows()));
+  if (block.rows() == 0) return;
+  for (std::size_t c = 0; c < channels_.size(); ++c) channels_[c].last = block.signal[c].back();
+}
+
+void StraightRuns::Flush(SampleBlock& block) {
+  block = std::move(held_);
+  held_ = {};
+}
+
+void StraightRuns::Learn(const std::vector<double>& coming, Channel& channel) {
+  double before = 0;  // bend of the reading before, 0 where it is none
+  for (std::size_t k = 1; k + 1 < coming.size(); ++k) {
+    const double step = std::abs(coming[k] - coming[k - 1]);
+    if (step > 0) channel.least_step = channel.least_step > 0 ? std::min(channel.least_step, step) : step;
+    const double bend = (coming[k + 1] - coming[k]) - (coming[k] - coming[k - 1]);
+    const double size = std::abs(bend);
+    if (size > channel.straight) {
+      const double bin = kBinsPerOctave * (std::log2(size) - kLeastExponent);
+      ++channel.bends[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(kBins - 1)))];
+      ++channel.bent;
+      channel.turned += bend * before < 0;
+      before = bend;
+    } else {
+      before = 0;
+    }
+  }
+}
+
+/// How many readings without a bend the noise makes too rarely.
+void StraightRuns::Judge(Channel& channel) {
+  channel.straight = kRoundedBend * channel.least_step;
+  channel.fewest = 0;
+  if (channel.bent < kBentToTell ||
+      static_cast<double>(channel.turned) < kOpposedBends * static_cast<double>(channel.bent))
+    return;
+  // Readings that are drawn do not bend, and motion bends more than noise does: the noise is that of those that bend least.
+  std::int64_t below = 0;
+  std::size_t bin = 0;
+  while (static_cast<double>(below) < kLeastBent * static_cast<double>(channel.bent))
+    below += channel.bends[bin++];
+  const double std = SizeOfBin(bin - 1) / kLeastOfNormal;
+  const double chance = 2 * channel.straight * kDensityAtZero / std;
+  if (!(chance < 1)) return;
+  const auto needed = static_cast<std::size_t>(std::ceil(std::log(kRareRun) / std::log(chance)));
+  if (needed <= kLongestRunNeeded) channel.fewest = std::max(kShortestRun, needed);
+}
+
+std::size_t StraightRuns::Flag(const std::vector<double>& values, Channel& channel,
+                               std::vector<Quality>& flags) {
+  if (channel.fewest == 0) return 1;
+  std::size_t run = channel.drawn;  // readings without a bend up to the one before row k
+  double before = channel.last;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    const double at = values[k - 1], step = values[k] - at, bend = step - (at - before);
+    run = std::abs(bend) <= channel.straight && step != 0 ? run + 1 : 0;
+    const std::size_t flagged = run == channel.fewest ? run : run > channel.fewest ? 1 : 0;
+    for (std::size_t back = 1; back <= flagged; ++back) flags[k - back] |= quality::kInterpolated;
+    before = at;
+  }
+  const bool open = run < channel.fewest;
+  channel.drawn = open ? 0 : run;
+  return open ? run + 1 : 1;
+}
+
+}  // namespace hydroscope
