@@ -26,7 +26,8 @@ std::vector<double> Readings(double std, double resolution = 0) {
 /// Readings `from` to `to`, both left out, on the straight line between these two, rounded as the others.
 void Draw(std::size_t from, std::size_t to, std::vector<double>& values, double resolution = 0) {
   for (std::size_t k = from + 1; k < to; ++k) {
-    values[k] = values[from] + (values[to] - values[from]) * static_cast<double>(k - from) / static_cast<double>(to - from);
+    values[k] = values[from] +
+                (values[to] - values[from]) * static_cast<double>(k - from) / static_cast<double>(to - from);
     if (resolution > 0) values[k] = std::round(values[k] / resolution) * resolution;
   }
 }
@@ -70,8 +71,7 @@ TEST(StraightRuns, FlagsWhatALoggerDrewAndNotTheReadingsAtItsEnds) {
 TEST(StraightRuns, FlagsThemWhereverABlockEnds) {
   std::vector<double> values = Readings(0.02);
   Draw(3990, 4013, values);
-  for (const std::size_t rows : {1000u, 1001u, 571u, 40u})
-    EXPECT_EQ(Drawn(values, rows).size(), 22u) << rows;
+  for (const std::size_t rows : {1000u, 1001u, 571u, 40u}) EXPECT_EQ(Drawn(values, rows).size(), 22u) << rows;
 }
 
 TEST(StraightRuns, SeesThemThroughRounding) {

@@ -46,7 +46,6 @@ double Doubts::LeastShare(const Explanation& found) const {
   return least;
 }
 
-/// A delay so small that a signal may only seem late: between two rows it is taken to move evenly, and it need not. "" if there is none.
 Told Doubts::MayMoveBetweenRows(const Explanation& found) const {
   for (std::size_t k = static_cast<std::size_t>(found.started); k < found.final.effects.size(); ++k) {
     const EffectEstimate& late = found.final.effects[k];

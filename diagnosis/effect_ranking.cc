@@ -9,6 +9,7 @@
 
 #include "core/distributions.h"
 #include "core/quantile.h"
+#include "diagnosis/moved_parameter.h"
 
 namespace hydroscope {
 namespace {
@@ -145,9 +146,13 @@ bool EffectRanking::IsRefuted(const EffectEstimate& e) const {
 bool EffectRanking::IsTwin(const Contender& candidate, const Contender& best) const {
   const auto& effects = strokes_.model().effects;
   const auto share = ShareOfTwins(strokes_.model(), effects[candidate.effect]->id, effects[best.effect]->id);
-  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it.
-  return share && candidate.gain > *share * best.gain - options_.sure_gain &&
-         candidate.fit->excess_ratio < best.fit->excess_ratio + options_.twin_excess;
+  if (!share) return false;
+  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it, and one that leaves
+  // less than the noise owes that to it.
+  const double excess = candidate.fit->excess_ratio;
+  const bool gains =
+      candidate.gain > *share * best.gain - options_.sure_gain || excess < options_.floor_error;
+  return gains && excess < std::max(best.fit->excess_ratio, 0.0) + options_.twin_excess;
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {
@@ -201,7 +206,9 @@ void EffectRanking::TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int 
   ranked.gain = gain;
   ranked.p_value = TwoSidedP(t, degrees);
   ranked.lawful = (size.consistent || !tried.refined) && !IsRefuted(size);
-  ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
+  ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t &&
+                      (gain > options_.trifle_gain ||
+                       FindMovedParameter(strokes_.model(), on.fit, fit, options_.biased).has_value());
   ranked.significant = ranked.stands_out && fit.rms_holdout < on.fit.rms_holdout;
   ranked.nonlinear = tried.nonlinear;
   ranked.fit = std::move(fit);

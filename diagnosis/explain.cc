@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "core/constants.h"
-#include "core/relative_change.h"
 #include "diagnosis/doubts.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
+#include "diagnosis/moved_parameter.h"
 
 namespace hydroscope {
 namespace {
@@ -93,7 +93,8 @@ std::vector<EffectChoice> Explainer::ShapesToTry(const EffectChoice& best) const
 
 /// The effects that gain most on their own, in all their shapes.
 std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> ranking) const {
-  std::erase_if(ranking, [&](const RankedEffect& r) { return !r.fit.solved || r.gain <= options_.min_gain; });
+  std::erase_if(ranking,
+                [&](const RankedEffect& r) { return !r.fit.solved || r.gain <= options_.LeastGain(); });
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
   std::vector<EffectChoice> firsts;
@@ -146,7 +147,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
                 ranking_.IsConfirmed(choice.effect) + ranking_.IsConfirmed(second.effect),
                 {choice.effect, second.effect}};
       pair.model.choices.push_back(second.fit.effects.back().choice);
-      if (pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
+      if (pair.gain > options_.LeastGain()) pairs.push_back(std::move(pair));
     }
   }
   if (pairs.empty()) return std::nullopt;
@@ -300,6 +301,7 @@ void Explainer::LookForMore(Explanation& out) const {
       }
   if (out.remainder_law.empty()) return;
   out.verdict = Verdict::kUnknown;
+  out.small_error = true;
   out.doubt =
       Tell("a small error is sure, which another law would explain in part ({}), too little of it for a name",
            "ein kleiner Fehler ist sicher, den ein anderes Gesetz zum Teil erklären würde ({}), zu wenig für "
@@ -307,33 +309,25 @@ void Explainer::LookForMore(Explanation& out) const {
            out.remainder_law);
 }
 
-/// A trifle of the output is none of a parameter that hangs on it: an effect that cannot be chance and would move one by much says
+/// A trifle of the output is none of a parameter that hangs on it: an effect that is hardly chance and would move one by much says
 /// that the model is not adequate.
 void Explainer::LookForBias(Explanation& out) const {
-  const ModelStructure& model = strokes_.model();
-  const auto parameters = [&](const ExtendedFit& fit) {
-    return model.derive(fit.theta.head(model.base_count));
-  };
-  const std::vector<DerivedParameter> as_is = parameters(start_.fit);
-  const Eigen::MatrixXd covariance = start_.fit.covariance.topLeftCorner(model.base_count, model.base_count);
   for (const RankedEffect& r : out.ranking) {
-    if (!r.fit.solved || !r.lawful || !r.testable || r.p_value >= options_.sure_of_more) continue;
-    const std::vector<DerivedParameter> with = parameters(r.fit);
-    for (std::size_t p = 0; p < as_is.size(); ++p) {
-      const double change = with[p].value - as_is[p].value;
-      if (std::abs(change) < options_.biased * as_is[p].useful_std()) continue;
-      const double std = std::sqrt(as_is[p].gradient.dot(covariance * as_is[p].gradient));
-      const auto share = RelativeChange(as_is[p].value, std, change);
-      if (!share) continue;
-      out.verdict = Verdict::kUnknown;
-      out.doubt = Tell(
-          "a small error is sure, too small to name its cause, and {} hangs on it: it would change by {:+.0f} % "
-          "with {}",
-          "ein kleiner Fehler ist sicher, zu klein für den Namen seiner Ursache, und {0} hängt an ihm: mit {2} "
-          "änderte es sich um {1:+.0f} %",
-          as_is[p].name, 100 * *share, r.id);
-      return;
-    }
+    if (!r.fit.solved || !r.lawful || !r.testable) continue;
+    const bool sure = r.p_value < options_.sure_of_more;
+    const bool likely = r.p_value < options_.bias_p && r.gain > options_.min_gain;
+    if (!sure && !likely) continue;
+    const auto moved = FindMovedParameter(strokes_.model(), start_.fit, r.fit, options_.biased);
+    if (!moved || !(sure || moved->leaves_interval)) continue;
+    out.verdict = Verdict::kUnknown;
+    out.small_error = true;
+    out.doubt = Tell(
+        "a small error is {0}, too small to name its cause, and {1} hangs on it: it would change by {2:+.0f} % with {3}",
+        "ein kleiner Fehler ist {0}, zu klein für den Namen seiner Ursache, und {1} hängt an ihm: mit {3} änderte es sich um "
+        "{2:+.0f} %",
+        sure ? Told("sure", "sicher") : Told("likely", "wahrscheinlich"), moved->name, 100 * moved->share,
+        r.id);
+    return;
   }
 }
 
@@ -354,7 +348,15 @@ void Explainer::Judge(Explanation& out) const {
                      "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law);
     return;
   }
-  out.doubt = Doubts(strokes_, options_, start_, ranking_).Of(out, AtFloor(out.final));
+  const Doubts doubts(strokes_, options_, start_, ranking_);
+  if (Told unseen = doubts.MayMoveBetweenRows(out); !unseen.empty() && out.groups.size() == 1) {
+    out.verdict = Verdict::kUnknown;
+    out.small_error = true;
+    out.groups.clear();
+    out.doubt = std::move(unseen);
+    return;
+  }
+  out.doubt = doubts.Of(out, AtFloor(out.final));
   out.partial = !out.doubt.empty();
   for (const auto& group : out.groups) out.set.push_back(group.front());
   for (const auto& group : out.groups)
@@ -397,8 +399,9 @@ bool SameEffects(const std::vector<EffectChoice>& a, const std::vector<EffectCho
 ExplainOptions WithoutTrifles(const StrokeSet& strokes, ExplainOptions options, double noise_variance) {
   const double ratio = TrifleOf(strokes, options) / noise_variance;
   options.floor_excess += ratio;
-  for (double* least : {&options.min_gain, &options.max_remainder, &options.doubt_remainder})
-    *least = std::max(*least, ratio * strokes.equations() / options.evidence_scale);
+  options.trifle_gain = ratio * strokes.equations() / options.evidence_scale;
+  for (double* least : {&options.max_remainder, &options.doubt_remainder})
+    *least = std::max(*least, options.trifle_gain);
   return options;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -41,6 +42,8 @@ struct ExplainOptions {
   /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
   /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this tests miss effects.
   double trifle = 0.0005;
+  double trifle_gain =
+      0;  ///< what removing as much gains; Explain finds it. Less is named if it moves a parameter (biased)
   /// Gain another law may still make on an explanation that claims to be complete.
   double max_remainder = 40.0;
   double doubt_remainder = 15.0;   ///< ... and above which the explanation is flagged as partial
@@ -56,6 +59,7 @@ struct ExplainOptions {
   double nonlinear_cost = 12.0;
   double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
+  double most_by_shape = 200.0;  ///< gain above which the freedom of a law's shape alone does not explain it
   double sure_gain = 60.0;  ///< ... but none worse by so many noise variances, and by more than MayRemain
   int max_effects = 2;      ///< effects hidden at once that are looked for
   bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly
@@ -119,9 +123,14 @@ struct ExplainOptions {
   /// Share of DerivedParameter::useful_std by which an effect too small for a name may move a parameter without a word: a tenth
   /// of the value, of one without a unit 0.017.
   double biased = 1.0 / 3;
+  /// p-value below which one that gains min_gain may not move a parameter out of its interval either: few strokes make no small
+  /// p-values.
+  double bias_p = 0.05;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 
+  /// What a law must gain that moves no parameter.
+  double LeastGain() const { return std::max(min_gain, trifle_gain); }
   /// Whether the model of this fit leaves no more than noise may.
   bool IsDownToNoise(const ExtendedFit& fit) const {
     return fit.excess_ratio <= floor_excess + floor_errors * fit.excess_error;
@@ -183,6 +192,8 @@ struct Explanation {
   /// With `unknown`: nothing explains a part of what is left, and nothing predicts it: noise that is not white, or a law that no
   /// function of the signals shows. `doubt` says so.
   bool may_be_noise = false;
+  /// With `unknown`: what is left is near the noise, and too little for a name. `doubt` says why it matters.
+  bool small_error = false;
   Told doubt;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
   double trifle = 0;

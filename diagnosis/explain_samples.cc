@@ -242,6 +242,7 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
 void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
   const auto first = out.final.effects.begin() + static_cast<std::ptrdiff_t>(out.started);
   if (out.set.empty() || !options.IsDownToNoise(out.base) ||
+      out.ranking.front().gain > options.most_by_shape ||
       std::none_of(first, out.final.effects.end(),
                    [](const EffectEstimate& e) { return std::abs(e.size) < kNormal95 * e.std; }))
     return;
@@ -292,6 +293,8 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
     RefuseWhatMayBeZero(options, out);
   }
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
+  // An effect brings it down to the noise, but for a doubt that other strokes or another floor would not settle.
+  if (out.small_error && out.final.effects.size() > out.base.effects.size()) return out;
   const StrokesUnder under = StrokesOf(strokes, window, out.noise_scale);
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;

@@ -45,6 +45,7 @@ std::string Headline(const ExplainResult& result) {
     case Verdict::kUnknown:
       if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
       if (x.may_be_noise) return fmt::format("? Something is left: {}", kNothingPredicts);
+      if (x.small_error) return "? A small error is left, too little of it to name what causes it";
       return "? The model lacks something that no effect of the library explains";
   }
   return "";

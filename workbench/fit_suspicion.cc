@@ -38,6 +38,7 @@ std::string Sentence(const ExplainResult& explained) {
   if (x.may_be_noise)
     return fmt::format("{}: the noise is not white, or the model misses something, and then {}",
                        kNothingPredicts, kAbsorb);
+  if (x.small_error) return fmt::format("{}; {}", x.doubt.english, kAbsorb);
   if (x.verdict == Verdict::kUnknown)
     return fmt::format("the model misses something that no known effect explains; {}", kAbsorb);
   std::vector<std::string> groups;

@@ -215,6 +215,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"groups", x.groups},
       {"partial", x.partial},
       {"may_be_noise", x.may_be_noise},
+      {"small_error", x.small_error},
       {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt.english)},
       {"warnings", InEnglish(x.warnings)},
       {"notes", result.log.notes},

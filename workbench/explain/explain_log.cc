@@ -156,7 +156,7 @@ void RefuseVerdict(const Told& why, Explanation& x) {
   x.set.clear();
   x.groups.clear();
   x.odd_strokes.clear();
-  x.partial = x.may_be_noise = false;
+  x.partial = x.may_be_noise = x.small_error = false;
   x.doubt = {};
 }
 

@@ -113,7 +113,9 @@ std::string UnknownText(const ExplainResult& result) {
   if (x.may_be_noise)
     return fmt::format("UNKNOWN: {}.\n  {}\n  Why: {}.\n", kNothingPredicts,
                        WhatItMayBe(CountedWordsOf(result.log.machine)), x.doubt.english);
-  std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
+  std::string text = x.small_error
+                         ? "UNKNOWN: a small error is left, too little of it to name what causes it.\n"
+                         : "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
   if (!x.partial && !x.doubt.empty()) text += fmt::format("  Why: {}.\n", x.doubt.english);
   if (!x.partial || x.steps.size() < 2) return text;

@@ -17,6 +17,7 @@ interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; 
 /** An adequate model may be so in part only, and of an unknown error it may be open whether it is one. */
 function headline(explain: ExplainResult): keyof Words {
   if (explain.may_be_noise) return "mayBeNoise";
+  if (explain.small_error) return "smallError";
   if (explain.slow) return "slow";
   if (explain.verdict === "adequate" && explain.short_runs) return "shortRuns";
   if (explain.verdict === "unknown" && explain.astray) return "astray";
