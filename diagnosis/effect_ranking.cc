@@ -147,12 +147,12 @@ bool EffectRanking::IsTwin(const Contender& candidate, const Contender& best) co
   const auto& effects = strokes_.model().effects;
   const auto share = ShareOfTwins(strokes_.model(), effects[candidate.effect]->id, effects[best.effect]->id);
   if (!share) return false;
-  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it, and one that leaves
-  // less than the noise owes that to it.
-  const double excess = candidate.fit->excess_ratio;
-  const bool gains =
-      candidate.gain > *share * best.gain - options_.sure_gain || excess < options_.floor_error;
-  return gains && excess < std::max(best.fit->excess_ratio, 0.0) + options_.twin_excess;
+  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it, and an
+  // effect that leaves less than the noise owes it part of its gain.
+  const double excess = candidate.fit->excess_ratio, least = best.fit->excess_ratio;
+  const bool as_good = least < -options_.floor_error && excess < options_.floor_error;
+  return (as_good || candidate.gain > *share * best.gain - options_.sure_gain) &&
+         excess < std::max(least, 0.0) + options_.twin_excess;
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {

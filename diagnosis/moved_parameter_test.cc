@@ -35,7 +35,8 @@ TEST(MovedParameter, IsOneThatMovesByMoreThanATenth) {
 
 TEST(MovedParameter, SaysWhetherItStaysInItsInterval) {
   const ExtendedFit as_is = FitAt(100, 0.5, 10, 1e-3);
-  EXPECT_FALSE(FindMovedParameter(TwoParameters(), as_is, FitAt(88, 0.5, 10, 1e-3), 1.0 / 3)->leaves_interval);
+  EXPECT_FALSE(
+      FindMovedParameter(TwoParameters(), as_is, FitAt(88, 0.5, 10, 1e-3), 1.0 / 3)->leaves_interval);
   const auto moved = FindMovedParameter(TwoParameters(), as_is, FitAt(88, 0.4, 10, 1e-3), 1.0 / 3);
   EXPECT_EQ(moved->name, "y_0") << "one that leaves it comes first";
 }
@@ -44,7 +45,8 @@ TEST(MovedParameter, SaysWhetherItStaysInItsInterval) {
 TEST(MovedParameter, IsNoneNearZero) {
   const ExtendedFit as_is = FitAt(100, 1e-3, 1, 1e-3);
   EXPECT_FALSE(FindMovedParameter(TwoParameters(), as_is, FitAt(100, 0.03, 1, 1e-3), 1.0 / 3));
-  EXPECT_FALSE(FindMovedParameter(TwoParameters(), FitAt(100, 1e-5, 1, 1e-7), FitAt(100, 0.01, 1, 1e-7), 1.0 / 3));
+  EXPECT_FALSE(
+      FindMovedParameter(TwoParameters(), FitAt(100, 1e-5, 1, 1e-7), FitAt(100, 0.01, 1, 1e-7), 1.0 / 3));
 }
 
 }  // namespace
