@@ -142,11 +142,7 @@ int ExpressionGraph::ChainOfPower(const GraphValue& v, int self, int da, int db)
 int ExpressionGraph::Chain(const GraphValue& v, int self, int input) {
   if (v.operation == Operation::kConstant) return Constant(0);
   if (v.operation == Operation::kInput) return Constant(v.a == input ? 1 : 0);
-  const auto of = [&](Operation operation, int a) { return Value(operation, a, a, a); };
   const int da = Derivative(v.a, input), db = Derivative(v.b, input);
-  const int one = Constant(1);
-  const auto square = [&](int a) { return Product(a, a); };
-  const bool flat = IsZero(da) && IsZero(db);
   switch (v.operation) {
     case Operation::kSelect: {
       const int dc = Derivative(v.c, input);
@@ -163,9 +159,14 @@ int ExpressionGraph::Chain(const GraphValue& v, int self, int input) {
     case Operation::kNegate:
       return Difference(Constant(0), da);
     default:
-      break;
+      return IsZero(da) && IsZero(db) ? Constant(0) : ChainOfFunction(v, self, da, db);
   }
-  if (flat) return Constant(0);
+}
+
+int ExpressionGraph::ChainOfFunction(const GraphValue& v, int self, int da, int db) {
+  const auto of = [&](Operation operation, int a) { return Value(operation, a, a, a); };
+  const int one = Constant(1);
+  const auto square = [&](int a) { return Product(a, a); };
   switch (v.operation) {
     case Operation::kPower:
       return ChainOfPower(v, self, da, db);

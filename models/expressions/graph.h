@@ -86,6 +86,7 @@ class ExpressionGraph {
   int Difference(int a, int b);
   int Quotient(int a, int b);
   int Chain(const GraphValue& value, int self, int input);
+  int ChainOfFunction(const GraphValue& value, int self, int da, int db);
   int ChainOfPower(const GraphValue& value, int self, int da, int db);
   bool IsNumber(int value, double number) const;
 

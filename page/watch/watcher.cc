@@ -76,6 +76,27 @@ struct Watcher::Opened {
       if (static_cast<std::int64_t>(rows->size()) < kRowsAtATime) return {};
     }
   }
+
+  /// The machine of this name as it is now; `told`: of it by the service. Another model, or the first strokes, is another machine
+  /// to look at.
+  Result<const WatchedMachine*> Refresh(const std::string& name, const WatchedMachine::Sources& sources,
+                                        const nlohmann::json& told) {
+    const auto id = database.MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    const auto known = std::find_if(machines.begin(), machines.end(),
+                                    [&](const auto& machine) { return machine->name() == name; });
+    if (known != machines.end()) {
+      const int version = (*known)->model_version();
+      const bool had_strokes = (*known)->end() > 0;
+      if (const Status fresh = (*known)->Refresh(told); !fresh) return tl::unexpected(fresh.error());
+      if ((*known)->model_version() == version && had_strokes) return known->get();
+      machines.erase(known);
+    }
+    auto created = WatchedMachine::Create(sources, name, *id);
+    if (!created) return tl::unexpected(created.error());
+    if (const Status fresh = (*created)->Refresh(told); !fresh) return tl::unexpected(fresh.error());
+    return machines.emplace_back(std::move(*created)).get();
+  }
 };
 
 Watcher::Watcher(WatchOptions options, EventFeed& feed)
@@ -287,25 +308,8 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
   const WatchedMachine::Sources sources{opened.database, options_.database,
                                         opened.journal ? &*opened.journal : nullptr, options_.machine_file};
   for (const std::string& name : *names) {
-    const auto id = opened.database.MachineId(name);
-    if (!id) return tl::unexpected(id.error());
-    auto known = std::find_if(opened.machines.begin(), opened.machines.end(),
-                              [&](const auto& machine) { return machine->name() == name; });
-    // Another model, or the first strokes, is another machine to look at.
-    if (known != opened.machines.end()) {
-      const int version = (*known)->model_version();
-      const bool had_strokes = (*known)->end() > 0;
-      if (const Status fresh = (*known)->Refresh(ServiceTold(service, name)); !fresh) return fresh;
-      if ((*known)->model_version() != version || !had_strokes)
-        opened.machines.erase(known), known = opened.machines.end();
-    }
-    if (known == opened.machines.end()) {
-      auto created = WatchedMachine::Create(sources, name, *id);
-      if (!created) return tl::unexpected(created.error());
-      if (const Status fresh = (*created)->Refresh(ServiceTold(service, name)); !fresh) return fresh;
-      opened.machines.push_back(std::move(*created));
-      known = opened.machines.end() - 1;
-    }
+    const auto known = opened.Refresh(name, sources, ServiceTold(service, name));
+    if (!known) return tl::unexpected(known.error());
     const WatchedMachine& machine = **known;
     WatchedState::MachineState& shown = state->machines[name];
     shown = {machine.id(), machine.end(), machine.dated(), machine.parameters(), opened.marks[name], {}};
