@@ -42,8 +42,8 @@ struct ExplainOptions {
   /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
   /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this tests miss effects.
   double trifle = 0.0005;
-  double trifle_gain =
-      0;  ///< what removing as much gains; Explain finds it. Less is named if it moves a parameter (biased)
+  /// What removing as much gains, which Explain finds; an effect that gains less is named if it moves a parameter (biased).
+  double trifle_gain = 0;
   /// Gain another law may still make on an explanation that claims to be complete.
   double max_remainder = 40.0;
   double doubt_remainder = 15.0;   ///< ... and above which the explanation is flagged as partial
@@ -123,8 +123,7 @@ struct ExplainOptions {
   /// Share of DerivedParameter::useful_std by which an effect too small for a name may move a parameter without a word: a tenth
   /// of the value, of one without a unit 0.017.
   double biased = 1.0 / 3;
-  /// p-value below which one that gains min_gain may not move a parameter out of its interval either: few strokes make no small
-  /// p-values.
+  /// p-value below which an effect that gains min_gain may not move one out of its interval either: few strokes make no small ones.
   double bias_p = 0.05;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;

@@ -78,6 +78,9 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
     case Verdict::kUnknown:
       break;
   }
+  if (x.small_error)
+    return {{Kind::kUnexplained, Tell("'explain' says UNKNOWN, a small error is left: {}",
+                                      "'explain' sagt UNBEKANNT, ein kleiner Fehler bleibt: {}", x.doubt)}};
   return {
       {Kind::kUnexplained,
        Tell(
