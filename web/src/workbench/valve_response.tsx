@@ -212,7 +212,7 @@ export function ValveVerdict({ measured: { result, problem } }: { measured: Meas
   const say = useWords();
   if (!result) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2>{problem ? <p>{say("valveNothing")}</p> : <p class="empty">{say("valveComing")}</p>}</section>;
   const now = figures(result), misfit = (result.inflation ?? 1) > 1;
-  const verdict = !now ? "unknown" : misfit || result.hint || result.first_order ? "ambiguous" : "adequate";
+  const verdict = !now ? "unknown" : misfit || result.hint || result.first_order || now.phase_90.beyond ? "ambiguous" : "adequate";
   return (
     <section class={`verdict-panel ${verdict}`}>
       <h2>{say("verdictTitle")}</h2>
