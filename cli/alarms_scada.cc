@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/interval_text.h"
 #include "core/time_text.h"
 #include "host/output.h"
 #include "live/scada_client.h"
@@ -88,9 +89,9 @@ std::optional<std::pair<double, std::string>> FactorByEffect(const std::string& 
 
 std::string ParameterText(const ScadaParameter& p) {
   const DisplayUnit unit = UnitByName(p.name).value_or(DisplayUnit{1, 0, "SI"});
-  return fmt::format("\n{:<16} {:<10} {:>12.5g} ± {:.2g} {}{}", "", p.name,
-                     p.value * unit.factor + unit.offset, kNormal95 * p.std * unit.factor, unit.name,
-                     QualityText(p.quality));
+  return fmt::format("\n{:<16} {:<10} {:>22} {}{}", "", p.name,
+                     WithInterval(p.value * unit.factor + unit.offset, kNormal95 * p.std * unit.factor),
+                     unit.name, QualityText(p.quality));
 }
 
 std::string AxisText(const ScadaAxis& axis) {
@@ -147,7 +148,7 @@ void Print(const Seen& seen, const std::string& endpoint) {
 
 std::string ScadaAlarmValue(const ScadaAlarm& alarm) {
   const auto text = [&](double factor, double offset, std::string_view unit) {
-    return fmt::format("{:.4g} ± {:.2g} {}", alarm.value * factor + offset, kNormal95 * alarm.std * factor,
+    return fmt::format("{} {}", WithInterval(alarm.value * factor + offset, kNormal95 * alarm.std * factor),
                        unit);
   };
   if (const auto unit = UnitByName(alarm.name)) return text(unit->factor, unit->offset, unit->name);

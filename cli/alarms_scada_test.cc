@@ -14,9 +14,9 @@ std::string ValueOf(const std::string& alarm, double value, double std) {
 }
 
 TEST(AlarmsScada, ValuesAreInTheUnitOfWhatTheAlarmIsCalledBy) {
-  EXPECT_EQ(ValueOf("internal_leakage", 2e-12, 1e-14), "0.012 ± 0.00012 l/min per bar");
-  EXPECT_EQ(ValueOf("V0", 1.65e-3, 1e-5), "1.65 ± 0.02 l");
-  EXPECT_EQ(ValueOf("an_alarm_of_the_plant", 3, 0.1), "3 ± 0.2 SI");
+  EXPECT_EQ(ValueOf("internal_leakage", 2e-12, 1e-14), "0.01200 ± 0.00012 l/min per bar");
+  EXPECT_EQ(ValueOf("V0", 1.65e-3, 1e-5), "1.650 ± 0.020 l");
+  EXPECT_EQ(ValueOf("an_alarm_of_the_plant", 3, 0.1), "3.00 ± 0.20 SI");
 }
 
 }  // namespace

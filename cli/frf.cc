@@ -4,13 +4,13 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_bode.h"
+#include "cli/frequency_response/valve_bode.h"
 #include "host/output.h"
 #include "host/text_sink.h"
 #include "models/machine_kind.h"
-#include "workbench/frequency_response/frf_record.h"
 #include "workbench/frequency_response/loop_output.h"
+#include "workbench/frequency_response/valve_output.h"
 
 namespace hydroscope {
 namespace {
@@ -24,17 +24,6 @@ struct FrfArguments {
 FrequencyResponseMethod MethodOf(const std::string& name) {
   if (name == "sine") return FrequencyResponseMethod::kSine;
   return name == "welch" ? FrequencyResponseMethod::kWelch : FrequencyResponseMethod::kAuto;
-}
-
-/// Nothing was left out and there is a model.
-bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
-  if (!response.model || log.left_out > 0) return false;
-  if (response.method == FrequencyResponseMethod::kWelch)
-    return true;  // bins without excitation are expected
-  for (const FrequencyPoint& p : response.points) {
-    if (p.reason != PointReason::kUsed && p.reason != PointReason::kOutsideRange) return false;
-  }
-  return true;
 }
 
 /// A machine that is measured in closed loop.
@@ -62,30 +51,17 @@ Result<ExitCode> RunFrf(const FrfArguments& a) {
   FrequencyResponseOptions options = a.options;
   options.method = MethodOf(a.method);
   if (a.settle >= 0) options.settle_time = a.settle;
-  if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
-  const auto log = ReadValveRecord(a.log, *machine);
-  if (!log) return tl::unexpected(log.error());
-  const auto response = MeasureFrequencyResponse(log->record, options);
-  if (!response) {
-    Error error = response.error();
-    error.text =
-        fmt::format("{} ({} -> {}): {}", a.log, machine->valve.input, machine->valve.output, error.text);
-    if (log->left_out > 0)
-      error.text +=
-          fmt::format("; {} of {} rows were left out ({})", log->left_out, log->rows, log->left_out_why);
-    return tl::unexpected(error);
-  }
-  if (const Status s =
-          Answer(FrfText(*response, *log, *machine, a.log), FrfJson(*response, *log, *machine), a.json);
-      !s)
+  const auto measured = MeasureValveLog(a.log, *machine, options);
+  if (!measured) return tl::unexpected(measured.error());
+  if (const Status s = Answer(ValveText(*measured, *machine), ValveJson(*measured, *machine), a.json); !s)
     return tl::unexpected(s.error());
   if (!a.svg.empty()) {
     const std::string title =
         fmt::format("{}: {} to {}", machine->name, machine->valve.input, machine->valve.output);
-    if (const Status s = WriteTextFile(a.svg, FrfBodePlot(*response, title)); !s)
+    if (const Status s = WriteTextFile(a.svg, ValveBodePlot(*measured, title)); !s)
       return tl::unexpected(s.error());
   }
-  return Complete(*response, *log) ? kDone : kPartlyDone;
+  return measured->Complete() ? kDone : kPartlyDone;
 }
 
 }  // namespace

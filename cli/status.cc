@@ -6,6 +6,7 @@
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/constants.h"
+#include "core/interval_text.h"
 #include "core/printable.h"
 #include "host/output.h"
 #include "live/live_status.h"
@@ -23,7 +24,7 @@ struct StatusArguments {
 
 /// A value with its 95 % interval; "-" if there is none.
 std::string Interval(double value, double std) {
-  return std::isfinite(value) ? fmt::format("{:.5g} ± {:.2g}", value, kNormal95 * std) : "-";
+  return std::isfinite(value) ? WithInterval(value, kNormal95 * std) : "-";
 }
 
 /// The history of valve checks, from the database; no service is needed.

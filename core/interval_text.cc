@@ -41,6 +41,10 @@ std::string WithInterval(double value, double half_width) {
   return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? fmt::format("{:.0e}", half_width) : half);
 }
 
+std::string ChangeWithInterval(double change, double half_width) {
+  return (change > 0 ? "+" : "") + WithInterval(change, half_width);
+}
+
 int DigitsFor(double value, double half_width) {
   constexpr int kFewest = 5, kMost = 9;
   const double orders = std::log10(std::abs(value) / half_width);

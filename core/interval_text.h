@@ -8,6 +8,9 @@ namespace hydroscope {
 /// exponent: "(4.51 ± 0.03)e-12".
 std::string WithInterval(double value, double half_width);
 
+/// The same of a change, "+1.21 ± 0.02".
+std::string ChangeWithInterval(double change, double half_width);
+
 /// Significant digits for a value and the ends of its interval: as many that two of the half width are among them, 5 to 9.
 int DigitsFor(double value, double half_width);
 

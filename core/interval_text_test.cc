@@ -22,6 +22,12 @@ TEST(WithInterval, AnIntervalThatIsThereNeverReadsAsZero) {
   EXPECT_EQ(WithInterval(12202, 0.001), "12202.0 ± 1e-03");
 }
 
+TEST(ChangeWithInterval, ARiseHasItsSign) {
+  EXPECT_EQ(ChangeWithInterval(1.2103, 0.0214), "+1.210 ± 0.021");
+  EXPECT_EQ(ChangeWithInterval(-12202, 424), "-12202 ± 424");
+  EXPECT_EQ(ChangeWithInterval(0, 1), "0.0 ± 1.0");
+}
+
 TEST(WithInterval, SmallAndLargeValuesCarryAnExponent) {
   EXPECT_EQ(WithInterval(4.512e-12, 3.1e-14), "(4.512 ± 0.031)e-12");
   EXPECT_EQ(WithInterval(-2e-7, 5e-7), "(-2.0 ± 5.0)e-7");

@@ -90,7 +90,8 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
     return ended("unusable", "the sweep ran, but its record tells nothing: " + response.error().text);
   const auto check = MakeValveCheck(*response, begin, record.supply_pressure, record.oil_temperature);
   if (!check)
-    return ended("unusable", "the sweep ran, but no model fits its record: " + response->model_reason);
+    return ended("unusable",
+                 "the sweep ran, but no model fits its record: " + response->model_reason.english);
   Fill(*check, record);
   std::string detail = fmt::format("{} frequencies, {:.1f} s recorded", response->points.size(),
                                    static_cast<double>(rows.rows()) * machine.live->grid_period);

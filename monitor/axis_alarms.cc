@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/interval_text.h"
 #include "core/unit_told.h"
 #include "core/units.h"
 #include "diagnosis/drift/valve_check_monitor.h"
@@ -166,11 +167,11 @@ void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monito
         const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
         AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
                                  severity, "",    stroke.sequence, stroke.sequence};
-        condition.Say(Tell("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}",
-                           "{} liegt bei {:.4g} ± {:.2g} {}, {} der Grenze {} = {:.4g} {}", spec.parameter,
-                           shown(e.value), kNormal95 * e.std * unit.factor, UnitTold(unit.name),
-                           high ? Tell("above", "über") : Tell("below", "unter"), name, shown(*limit),
-                           UnitTold(unit.name)));
+        condition.Say(Tell("{} is {} {}, {} the limit {} = {:.4g} {}",
+                           "{} liegt bei {} {}, {} der Grenze {} = {:.4g} {}", spec.parameter,
+                           TellNumber(WithInterval(shown(e.value), kNormal95 * e.std * unit.factor)),
+                           UnitTold(unit.name), high ? Tell("above", "über") : Tell("below", "unter"), name,
+                           shown(*limit), UnitTold(unit.name)));
         condition.quantities = {spec.parameter};
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));

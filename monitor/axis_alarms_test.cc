@@ -24,21 +24,19 @@ TEST(AlarmWords, FindingEvidenceAndActionStandApartInBothLanguages) {
   const AlarmWords words = WordsOf(SofterOil());
   EXPECT_EQ(words.finding.english, "Oil column softer");
   EXPECT_EQ(words.finding.german, "Ölsäule weicher");
-  EXPECT_EQ(
-      words.evidence.english,
-      "since stroke 481 (471 to 491): K -10.00 ± 0.49 % (1.2e+04 -> 1.08e+04 bar). Strokes 5 to 9 against 1 "
-      "to 4: nothing new appeared.");
-  EXPECT_EQ(
-      words.evidence.german,
-      "seit Hub 481 (471 bis 491): K -10,00 ± 0,49 % (1,2e+04 -> 1,08e+04 bar). Hübe 5 bis 9 gegen 1 bis 4: "
-      "nichts Neues ist aufgetreten.");
+  EXPECT_EQ(words.evidence.english,
+            "since stroke 481 (471 to 491): K -10.00 ± 0.49 % (12000 -> 10800 bar). Strokes 5 to 9 against 1 "
+            "to 4: nothing new appeared.");
+  EXPECT_EQ(words.evidence.german,
+            "seit Hub 481 (471 bis 491): K -10,00 ± 0,49 % (12000 -> 10800 bar). Hübe 5 bis 9 gegen 1 bis 4: "
+            "nichts Neues ist aufgetreten.");
   EXPECT_EQ(words.action.german, "Den Zylinder entlüften. Nach Schaum im Tank sehen.");
 }
 
 TEST(AlarmWords, TheTextOfTheAlarmHoldsThemAllAndTheCause) {
   EXPECT_EQ(
       AlarmTextOf(SofterOil()),
-      "since stroke 481 (471 to 491): Oil column softer; K -10.00 ± 0.49 % (1.2e+04 -> 1.08e+04 bar). "
+      "since stroke 481 (471 to 491): Oil column softer; K -10.00 ± 0.49 % (12000 -> 10800 bar). "
       "Strokes 5 to 9 against 1 to 4: nothing new appeared. Cause: entrained_air. Bleed the cylinder. Look "
       "for foam in the tank.");
 }
@@ -71,9 +69,9 @@ TEST(AlarmWords, EvidenceCallsAnEffectByItsTitle) {
        .std = 5e-14,
        .title = {"Internal leakage past the piston seal", "Innere Leckage an der Kolbendichtung"}}};
   EXPECT_THAT(WordsOf(finding).evidence.english,
-              testing::HasSubstr("Internal leakage past the piston seal +0.012 ± 0.00059 l/min per bar"));
+              testing::HasSubstr("Internal leakage past the piston seal +0.01200 ± 0.00059 l/min per bar"));
   EXPECT_THAT(WordsOf(finding).evidence.german,
-              testing::HasSubstr("Innere Leckage an der Kolbendichtung +0,012 ± 0,00059 l/min je bar"));
+              testing::HasSubstr("Innere Leckage an der Kolbendichtung +0,01200 ± 0,00059 l/min je bar"));
 }
 
 TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {
@@ -83,7 +81,7 @@ TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {
   EXPECT_EQ(
       drift::FindingText(finding),
       "since stroke 481 (471 to 491): something changed; its cause is not told apart yet; K -10.00 ± 0.49 % "
-      "(1.2e+04 -> 1.08e+04 bar); would explain as much: V0, y_0");
+      "(12000 -> 10800 bar); would explain as much: V0, y_0");
   EXPECT_EQ(NameText(finding).german, "etwas hat sich geändert; die Ursache ist noch nicht zu unterscheiden");
 }
 

@@ -77,6 +77,17 @@ TEST_F(AxisLookTest, ColdStrokesAtTheEndAreNotGood) {
   ExpectSame(judged);
 }
 
+TEST_F(AxisLookTest, StrokesThatNobodyJudgedAreNotGood) {
+  Store(0, Healthy());
+  EXPECT_EQ(Judge().letter(), '-');
+  Store(0, Leaking());
+  const auto looked = Look(Rules());
+  ASSERT_TRUE(looked.has_value()) << looked.error().text;
+  EXPECT_EQ(looked->letter(), 'C');
+  EXPECT_EQ(looked->reason, HealthReason::kStrokesNotJudged);
+  EXPECT_THAT(looked->text, HasSubstr("strokes are stored that nobody has judged"));
+}
+
 TEST_F(AxisLookTest, OtherRulesThanItWasJudgedByAreAnError) {
   Store(0, Healthy());
   Judge();

@@ -50,14 +50,21 @@ AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStru
 }
 
 hydroscope::Health AxisMonitor::JudgedHealth() const {
-  const bool judged = not_judged_ < kStrokesUntilNotJudged;
+  const CountedWords counted = CountedWordsOf(machine_);
+  Told not_judged;
+  if (waiting_ > 0)
+    not_judged =
+        Tell("{} are stored that nobody has judged", "{} sind gespeichert, die niemand beurteilt hat",
+             counted.CountedTold(static_cast<std::size_t>(waiting_)));
+  else if (not_judged_ >= kStrokesUntilNotJudged)
+    not_judged = drift::JudgementTold(why_not_judged_);
   return JudgeHealth({.alarms = alarms_,
                       .has_reference = monitor_.has_value(),
                       .learned = commissioning_strokes(),
                       .needed = rules_.commissioning,
                       .not_learned = why_not_learned_,
-                      .not_judged = judged ? Told{} : drift::JudgementTold(why_not_judged_),
-                      .counted = CountedWordsOf(machine_)});
+                      .not_judged = std::move(not_judged),
+                      .counted = counted});
 }
 
 /// Strokes first ... first + count - 1 as far as they are stored, with estimates.
@@ -164,8 +171,11 @@ Status AxisMonitor::Look() {
   return collected ? Status{} : Status(tl::unexpected(collected.error()));
 }
 
-/// Looks anew whether the last strokes can be judged, which the journal does not keep.
+/// Looks anew whether the last strokes are and can be judged, which the journal does not keep.
 Status AxisMonitor::CountNotJudged() {
+  const auto stored_to = database_.EndSequence(machine_id_);
+  if (!stored_to) return tl::unexpected(stored_to.error());
+  waiting_ = std::max<std::int64_t>(0, *stored_to - next_);
   not_judged_ = 0;
   const std::int64_t first = next_ - kStrokesUntilNotJudged;
   if (first <= monitor_->reference().last_sequence()) return {};

@@ -137,7 +137,8 @@ class AxisMonitor {
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
   bool unreadable_ = false;                         ///< that state could not be read
   AlarmMoment last_;                                ///< of the last stroke judged
-  int not_judged_ = 0;  ///< strokes in a row that could not be judged, up to the last
+  std::int64_t waiting_ = 0;  ///< stored strokes that nobody had judged when Look() looked
+  int not_judged_ = 0;        ///< strokes in a row that could not be judged, up to the last
   drift::JudgementReason why_not_judged_ = drift::JudgementReason::kJudged;
   std::vector<drift::StrokeEvidence> collected_;  ///< by commissioning
   std::int64_t collected_to_ = 0;                 ///< first stroke not looked at by commissioning

@@ -10,6 +10,7 @@
 #include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "page/http/json_arguments.h"
+#include "page/work/response_options.h"
 
 namespace hydroscope {
 namespace {
@@ -17,9 +18,10 @@ namespace {
 using Kind = WorkRequest::Kind;
 
 constexpr std::pair<Kind, const char*> kWorkNames[] = {
-    {Kind::kCheck, "check"},     {Kind::kFit, "fit"},         {Kind::kCompare, "compare"},
-    {Kind::kExplain, "explain"}, {Kind::kPicture, "picture"}, {Kind::kPreview, "preview"},
-    {Kind::kAdd, "add"},         {Kind::kRemove, "remove"},   {Kind::kRestore, "restore"}};
+    {Kind::kCheck, "check"},     {Kind::kFit, "fit"}, {Kind::kCompare, "compare"},
+    {Kind::kExplain, "explain"}, {Kind::kFrf, "frf"}, {Kind::kPicture, "picture"},
+    {Kind::kPreview, "preview"}, {Kind::kAdd, "add"}, {Kind::kRemove, "remove"},
+    {Kind::kRestore, "restore"}};
 
 constexpr std::size_t kMostColumns = 2000;  ///< of a log
 constexpr std::size_t kLongestFileName = 120;
@@ -129,6 +131,11 @@ Result<WorkRequest> ParseWorkRequest(const std::string& body) {
     return BadInput("kind: found '{}', expected one of {}", *kind, fmt::join(known, ", "));
   }
   WorkRequest request{named->first, *effect, 0, *log};
+  if (request.kind == Kind::kFrf) {
+    const auto response = ParseResponseOptions(*json);
+    if (!response) return tl::unexpected(response.error());
+    request.response = *response;
+  }
   const bool about_effect =
       request.kind == Kind::kPreview || request.kind == Kind::kAdd || request.kind == Kind::kRemove;
   if (about_effect && effect->empty()) return BadInput("effect: expected the id of an effect");

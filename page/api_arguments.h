@@ -6,20 +6,22 @@
 #include <vector>
 
 #include "core/result.h"
+#include "estimation/frequency_response/frequency_response.h"
 #include "models/machine.h"
 
 namespace hydroscope {
 
 /// What a page may ask to be worked out.
 struct WorkRequest {
-  enum class Kind { kCheck, kFit, kCompare, kExplain, kPicture, kPreview, kAdd, kRemove, kRestore };
+  enum class Kind { kCheck, kFit, kCompare, kExplain, kFrf, kPicture, kPreview, kAdd, kRemove, kRestore };
   Kind kind = Kind::kCheck;
-  std::string effect;  ///< kPreview, kAdd, kRemove
-  int version = 0;     ///< kRestore
-  std::string log;     ///< kPicture; "" = the first
+  std::string effect;                      ///< kPreview, kAdd, kRemove
+  int version = 0;                         ///< kRestore
+  std::string log;                         ///< kPicture; "" = the first
+  FrequencyResponseOptions response = {};  ///< kFrf
 };
 const char* WorkName(WorkRequest::Kind kind);
-/// Of {"kind": ..., "effect": ..., "version": ..., "log": ...}. Errors name the key, what it holds, and what was expected.
+/// Of {"kind": ..., "effect": ..., "version": ..., "log": ..., and of kFrf what ParseResponseOptions takes}. Errors name the key, what it holds, and what was expected.
 Result<WorkRequest> ParseWorkRequest(const std::string& body);
 
 /// What a person says of the machine of a log: which kind it is, and which column is which of its sensors.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "page/watch/alarm_request.h"
 #include "page/watch/learn_request.h"
 #include "page/watch/trend_question.h"
@@ -20,6 +22,15 @@ TEST(ApiArguments, TakesWork) {
   const auto restore = ParseWorkRequest(R"({"kind": "restore", "version": 3})");
   ASSERT_TRUE(restore);
   EXPECT_EQ(restore->version, 3);
+  const auto frf = ParseWorkRequest(
+      R"({"kind": "frf", "method": "welch", "segment": 4096, "min_coherence": 0.9, "from": 2, "to": 80, "settle": null})");
+  ASSERT_TRUE(frf);
+  EXPECT_EQ(frf->response.method, FrequencyResponseMethod::kWelch);
+  EXPECT_EQ(frf->response.segment_length, 4096u);
+  EXPECT_EQ(frf->response.min_coherence, 0.9);
+  EXPECT_EQ(frf->response.lowest, 2);
+  EXPECT_EQ(frf->response.highest, 80);
+  EXPECT_TRUE(std::isnan(frf->response.settle_time));
 }
 
 TEST(ApiArguments, NamesWhatIsWrongWithWork) {
@@ -36,7 +47,11 @@ TEST(ApiArguments, NamesWhatIsWrongWithWork) {
       {R"({"kind": "restore", "version": 1.5})", "version: expected a number"},
       {R"({"kind": "restore", "version": -1})", "version: expected a number"},
       {R"({"kind": "restore", "version": 1e300})", "version: expected a number"},
-      {R"({"kind": "restore", "version": "1"})", "version: found string"}};
+      {R"({"kind": "restore", "version": "1"})", "version: found string"},
+      {R"({"kind": "frf", "method": "guess"})", "method: found 'guess'"},
+      {R"({"kind": "frf", "segment": -2})", "segment: found -2, expected 0 to"},
+      {R"({"kind": "frf", "min_coherence": 1.5})", "min_coherence: found 1.5"},
+      {R"({"kind": "frf", "from": "low"})", "from: found string"}};
   for (const auto& [body, problem] : cases) {
     const auto parsed = ParseWorkRequest(body);
     ASSERT_FALSE(parsed) << body;

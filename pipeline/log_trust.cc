@@ -49,11 +49,13 @@ Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
   return first.Judge(**pipeline);
 }
 
-std::vector<std::string> LogTrust::Warnings() const {
-  std::vector<std::string> warnings;
-  if (!rate.fast_enough) warnings.push_back(rate.sentence.english);
+std::vector<Told> LogTrust::Warnings() const {
+  std::vector<Told> warnings;
+  if (!rate.fast_enough) warnings.push_back(rate.sentence);
   for (const Told& sentence : floor.sentences)
-    warnings.push_back(sentence.english + (floor.believable ? "" : "; the noise floor is not believed"));
+    warnings.push_back(floor.believable ? sentence
+                                        : Tell("{}; the noise floor is not believed",
+                                               "{}; der Rauschboden wird nicht geglaubt", sentence));
   return warnings;
 }
 

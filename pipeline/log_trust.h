@@ -18,7 +18,7 @@ struct LogTrust {
   SamplingRate rate;
 
   /// Sentences for `warnings`, the gravest first; none if nothing is doubtful.
-  std::vector<std::string> Warnings() const;
+  std::vector<Told> Warnings() const;
 };
 
 /// Judges the kept samples of a log by the base balance `theta` (SI, regression parameters); `noise_floor` in

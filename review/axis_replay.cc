@@ -234,7 +234,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   if (const Status stored = store(1); !stored) return stored;
   replay.summary = std::move(pass->summary);
   const LogTrust trust = first.Judge(pipeline);
-  replay.summary.warnings = trust.Warnings();
+  replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass->no_verdict.empty()) replay.summary.warnings.push_back(pass->no_verdict.english);
   replay.summary.impossible = pass->no_verdict.english;
   for (const ReadingFaults::Echo& echo : pass->echoes)

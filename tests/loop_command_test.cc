@@ -52,9 +52,23 @@ TEST_F(LoopCommand, CheckSaysNothingOfEpisodesAndErrorsThatItDoesNotCount) {
   const auto json = Run({"check", File("c.csv"), "-m", machine_, "--json", "-"}).Json();
   for (const char* key : {"strokes", "rms_holdout", "noise_floor"})
     EXPECT_TRUE(json.at(key).is_null()) << key;
+  for (const auto& signal : json.at("signals"))
+    EXPECT_TRUE(signal.at("noise_std").is_null())
+        << signal << ": what noise on the set point moves is no noise of a sensor";
+  EXPECT_TRUE(json.at("hints").empty()) << json["hints"];
   const Ran fit = Run({"fit", File("c.csv"), "-m", machine_});
   EXPECT_EQ(fit.exit_code, 3);
   EXPECT_THAT(fit.err, HasSubstr("hydroscope frf LOG --machine FILE"));
+}
+
+TEST_F(LoopCommand, CheckNamesASignalThatStandsStill) {
+  std::ofstream log(File("still.csv"));
+  log << "t,z_set,I_v,z\n";
+  for (int k = 0; k < 2000; ++k) log << k * 0.001 << "," << k % 7 << "," << k % 5 << ",3\n";
+  log.close();
+  const auto json = Run({"check", File("still.csv"), "-m", machine_, "--json", "-"}).Json();
+  EXPECT_THAT(json.at("hints").dump(), HasSubstr("z (column z): one and the same reading"));
+  EXPECT_THAT(json.at("german").at("hints").dump(), HasSubstr("ein und derselbe Wert"));
 }
 
 TEST_F(LoopCommand, TheExchangeOfTheValveIsItsGainThatDoubledAndNothingElse) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/constants.h"
 #include "models/machine_kind.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
@@ -35,7 +36,10 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
     const SignalSpec& spec = check.machine.signals[s];
     const auto& absent = check.pass.summary.absent;
     const bool present = std::find(absent.begin(), absent.end(), spec.name) == absent.end();
-    check.signals.push_back({spec, survey.ranges()[s], check.pass.channels[s].noise_std, present});
+    // What a sweep or noise on the command moves from row to row is no noise of a sensor.
+    const bool quiet = !MeasuredByResponse(KindOf(check.machine));
+    check.signals.push_back(
+        {spec, survey.ranges()[s], quiet ? check.pass.channels[s].noise_std : kNaN, present});
   }
 }
 
@@ -106,7 +110,7 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
   pieces.strokes = static_cast<int>(fit->fit.pieces.size());
   pieces.of_one_log = true;
   check.parameters = JudgeParameters(fit->parameters, pieces);
-  check.suspicion.warnings = InEnglish(FitWarnings(*fit));
+  check.suspicion.warnings = FitWarnings(*fit);
   check.suspicion.suspected = fit->left.structured;
   SendToExplain(check);
   const double factor = fit->error.unit.factor;
@@ -184,8 +188,9 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
       check.hints.insert(check.hints.begin(), coarse);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     for (const std::string& clamp : clamps) check.hints.push_back({clamp, ""});
-  } else if (KindOf(*machine).has_states) {
-    TakeStatesFit(log, check);
+  } else {
+    if (KindOf(*machine).has_states) TakeStatesFit(log, check);
+    check.hints = PlausibilityHints(check);
   }
   return check;
 }

@@ -10,7 +10,6 @@
 #include "core/counted_words.h"
 #include "core/shown_width.h"
 #include "core/units.h"
-#include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
@@ -317,9 +316,9 @@ nlohmann::json CheckJson(const CheckResult& check) {
       {"noise", NoiseJson(check.trust.floor)},
       {"signals", signals},
       {"gate", GateJson(check)},
-      // A machine in closed loop has none, and no error of a model.
+      // A machine measured by its response has none, and no error of a model.
       {"strokes",
-       ClosedLoopOf(check.machine) != nullptr ? nlohmann::json() : nlohmann::json(check.driving.strokes)},
+       MeasuredByResponse(KindOf(check.machine)) ? nlohmann::json() : nlohmann::json(check.driving.strokes)},
       {"parameters", ParametersCheckJson(check)},
       {"rms_holdout", fitted ? nlohmann::json(check.figures.rms_holdout * unit.factor) : nlohmann::json()},
       {"noise_floor", fitted ? nlohmann::json(check.figures.noise_floor * unit.factor) : nlohmann::json()},
@@ -328,7 +327,10 @@ nlohmann::json CheckJson(const CheckResult& check) {
       {"effects", check.machine.added_effects},
       {"warnings", InEnglish(Warnings(check))},
       {"hints", InEnglish(check.hints)},
-      {"german", {{"hints", InGerman(check.hints)}, {"warnings", InGerman(Warnings(check))}}}};
+      {"german",
+       {{"hints", InGerman(check.hints)},
+        {"warnings", InGerman(Warnings(check))},
+        {"time_base", check.time_base.german}}}};
   AddSuspicion(check.suspicion, out);
   return out;
 }

@@ -12,7 +12,7 @@ Result<FitResult> FitAndSuspect(LogStrokes strokes) {
   auto fit = FitFigures(strokes);
   if (!fit) return tl::unexpected(fit.error());
   const LogTrust trust = JudgeLog(strokes, fit->theta, fit->noise_floor);
-  for (std::string& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
+  for (Told& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
   return FitResult{std::move(strokes), std::move(*fit), std::move(suspicion), trust};
 }
 

@@ -5,46 +5,62 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "workbench/explain/headline.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr const char* kAbsorb = "the parameters absorb part of it and may lie outside their intervals";
+constexpr Wording kAbsorb = {
+    "the parameters absorb part of it and may lie outside their intervals",
+    "die Parameter nehmen einen Teil davon auf und können außerhalb ihrer Intervalle "
+    "liegen"};
 
 /// "Internal leakage past the piston seal (internal_leakage)".
-std::string TitleOf(const ExplainResult& explained, const std::string& id) {
+Told TitleOf(const ExplainResult& explained, const std::string& id) {
   const Effect* effect = explained.FindEffect(id);
-  return effect == nullptr ? id : fmt::format("{} ({})", effect->title, id);
+  if (effect == nullptr) return {id, id};
+  return Tell("{} ({})", "{} ({})", Told(effect->title, effect->german.title), id);
 }
 
 /// One of the effects hidden at once: its name, or those that may be it.
-std::string GroupText(const ExplainResult& explained, const std::vector<std::string>& group) {
-  std::vector<std::string> titles;
-  for (const std::string& id : group) titles.push_back(TitleOf(explained, id));
-  return fmt::format("{}", fmt::join(titles, " or "));
+Told GroupTold(const ExplainResult& explained, const std::vector<std::string>& group) {
+  Told names;
+  for (const std::string& id : group)
+    names = names.empty() ? TitleOf(explained, id)
+                          : Tell("{} or {}", "{} oder {}", names, TitleOf(explained, id));
+  return names;
 }
 
-std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
+Told OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
   std::vector<std::int64_t> numbers;
   for (const std::size_t s : odd.strokes) numbers.push_back(explained.log.strokes[s].summary.index);
-  return fmt::format(
-      "strokes {} differ from the rest{} and are left out of the parameters", fmt::join(numbers, ", "),
-      odd.parameter.empty() ? "" : fmt::format(", as by another value of {} in them,", odd.parameter));
+  const Told as_by = odd.parameter.empty()
+                         ? Told()
+                         : Tell(", as by another value of {} in them,",
+                                ", wie durch einen anderen Wert von {} in ihnen,", odd.parameter);
+  return Tell("strokes {} differ from the rest{} and are left out of the parameters",
+              "die Hübe {} sind anders als die übrigen{} und gehen nicht in die Parameter ein",
+              fmt::format("{}", fmt::join(numbers, ", ")), as_by);
 }
 
-std::string Sentence(const ExplainResult& explained) {
+Told Sentence(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
   if (x.may_be_noise)
-    return fmt::format("{}: the noise is not white, or the model misses something, and then {}",
-                       kNothingPredicts, kAbsorb);
-  if (x.small_error) return fmt::format("{}; {}", x.doubt.english, kAbsorb);
+    return Tell("{}: the noise is not white, or the model misses something, and then {}",
+                "{}: das Rauschen ist nicht weiß, oder dem Modell fehlt etwas, und dann gilt: {}",
+                kNothingPredicts, kAbsorb);
+  if (x.small_error) return Tell("{}; {}", "{}; {}", x.doubt, kAbsorb);
   if (x.verdict == Verdict::kUnknown)
-    return fmt::format("the model misses something that no known effect explains; {}", kAbsorb);
-  std::vector<std::string> groups;
-  for (const auto& group : x.groups) groups.push_back(GroupText(explained, group));
-  return fmt::format("the model misses {}{}; {}", fmt::join(groups, " and "),
-                     x.partial ? ", which is not proven" : "", kAbsorb);
+    return Tell("the model misses something that no known effect explains; {}",
+                "dem Modell fehlt etwas, das kein bekannter Effekt erklärt; {}", kAbsorb);
+  std::vector<Told> groups;
+  for (const auto& group : x.groups) groups.push_back(GroupTold(explained, group));
+  Told missing;
+  for (const Told& group : groups)
+    missing = missing.empty() ? group : Tell("{} and {}", "{} und {}", missing, group);
+  return Tell("the model misses {}{}; {}", "dem Modell fehlt {}{}; {}", missing,
+              x.partial ? Told(", which is not proven", ", was nicht bewiesen ist") : Told(), kAbsorb);
 }
 
 }  // namespace
@@ -53,12 +69,13 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
   if (!result)
     return {"",
             {},
-            {fmt::format("whether the model misses something was not judged: {}", result.error().text)},
+            {Tell("whether the model misses something was not judged: {}",
+                  "ob dem Modell etwas fehlt, wurde nicht beurteilt: {}", ToldOf(result.error()))},
             true,
             false};
   const ExplainResult& explained = *result;
   const Explanation& x = explained.explanation;
-  FitSuspicion out{VerdictName(x.verdict), x.set, InEnglish(x.warnings), false, x.no_verdict.empty()};
+  FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false, x.no_verdict.empty()};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
   if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));
@@ -67,7 +84,7 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
 
 std::string SuspicionText(const FitSuspicion& suspicion) {
   std::string text;
-  for (const std::string& warning : suspicion.warnings) text += "WARNING: " + warning + ".\n";
+  for (const Told& warning : suspicion.warnings) text += "WARNING: " + warning.english + ".\n";
   if (suspicion.ExplainSaysMore()) text += "'hydroscope explain' says more.\n";
   return text;
 }
@@ -77,7 +94,10 @@ void AddSuspicion(const FitSuspicion& suspicion, nlohmann::json& json) {
   json["suspects"] = suspicion.suspects;
   nlohmann::json& warnings = json["warnings"];
   if (!warnings.is_array()) warnings = nlohmann::json::array();
-  for (const std::string& warning : suspicion.warnings) warnings.push_back(warning);
+  for (const Told& warning : suspicion.warnings) {
+    warnings.push_back(warning.english);
+    if (json.contains("german")) json["german"]["warnings"].push_back(warning.german);
+  }
 }
 
 }  // namespace hydroscope

@@ -13,7 +13,7 @@ namespace hydroscope {
 struct FitSuspicion {
   std::string verdict;                ///< of `explain`, "" if it gave none
   std::vector<std::string> suspects;  ///< ids of the effects that may be missing, best first
-  std::vector<std::string> warnings;  ///< a sentence each, those of `explain` first
+  std::vector<Told> warnings;         ///< a sentence each, those of `explain` first
   bool suspected = false;             ///< the parameters may lie outside their intervals
   bool judged = true;                 ///< by strokes that carry a verdict
 
@@ -26,7 +26,8 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& explained);
 
 /// Lines below the table of parameters, for people.
 std::string SuspicionText(const FitSuspicion& suspicion);
-/// Into the JSON of `fit`: `verdict`, `suspects` and `warnings`, after those that are there.
+/// Into the JSON of `fit` or `check`: `verdict`, `suspects` and `warnings`, after those that are there, in German too where
+/// it has `german`.
 void AddSuspicion(const FitSuspicion& suspicion, nlohmann::json& json);
 
 }  // namespace hydroscope

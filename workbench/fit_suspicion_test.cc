@@ -30,7 +30,7 @@ TEST(FitSuspicion, AHealthyLogIsNotSuspected) {
   EXPECT_EQ(suspicion.verdict, "adequate");
   EXPECT_TRUE(suspicion.suspects.empty());
   EXPECT_FALSE(suspicion.suspected);
-  EXPECT_TRUE(suspicion.warnings.empty()) << suspicion.warnings.front();
+  EXPECT_TRUE(suspicion.warnings.empty()) << suspicion.warnings.front().english;
 }
 
 TEST(FitSuspicion, AMissingEffectIsNamed) {
@@ -40,8 +40,10 @@ TEST(FitSuspicion, AMissingEffectIsNamed) {
   ASSERT_FALSE(suspicion.suspects.empty());
   EXPECT_EQ(suspicion.suspects.front(), "internal_leakage");
   ASSERT_FALSE(suspicion.warnings.empty());
-  EXPECT_NE(suspicion.warnings.back().find("internal_leakage"), std::string::npos);
-  EXPECT_NE(suspicion.warnings.back().find("absorb"), std::string::npos);
+  EXPECT_NE(suspicion.warnings.back().english.find("internal_leakage"), std::string::npos);
+  EXPECT_NE(suspicion.warnings.back().english.find("absorb"), std::string::npos);
+  EXPECT_EQ(suspicion.warnings.back().german.rfind("dem Modell fehlt Innere Leckage", 0), 0u)
+      << suspicion.warnings.back().german;
 }
 
 // The error stays within 15 % of the noise floor, while V0 is off by several percent.
@@ -58,7 +60,7 @@ TEST(FitSuspicion, TooFewStrokesAreNotJudged) {
   EXPECT_EQ(suspicion.verdict, "");
   EXPECT_TRUE(suspicion.suspected);
   ASSERT_EQ(suspicion.warnings.size(), 1u);
-  EXPECT_NE(suspicion.warnings[0].find("not judged"), std::string::npos);
+  EXPECT_NE(suspicion.warnings[0].english.find("not judged"), std::string::npos);
 }
 
 TEST(AssumeTolerances, AnAreaWithoutOneGetsHalfAPercentAndAStatedOneStays) {

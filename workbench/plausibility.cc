@@ -203,16 +203,18 @@ void JudgeVariety(const Driving& d, std::vector<Told>& hints) {
 
 std::vector<Told> PlausibilityHints(const CheckResult& check) {
   std::vector<Told> hints;
+  const bool of_strokes =
+      KindOf(check.machine).build != nullptr;  // else signals may be as small as they like
   for (const CheckedSignal& signal : check.signals) {
     if (!signal.present) continue;
-    if (check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);
+    if (of_strokes && check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);
     JudgeRest(signal, hints);
-    JudgeGood(check, signal, hints);
+    if (of_strokes) JudgeGood(check, signal, hints);
   }
   JudgeCopies(check, hints);
   JudgeDrawn(check, hints);
   JudgeFaults(check.pass, hints);
-  JudgeGate(check, hints);
+  if (of_strokes) JudgeGate(check, hints);
   JudgeVariety(check.driving, hints);
   return hints;
 }

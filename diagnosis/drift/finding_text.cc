@@ -17,33 +17,35 @@ namespace hydroscope::drift {
 namespace {
 
 /// "-1.50 ± 0.40 %"
-std::string PercentText(double share, double half_width) {
-  return fmt::format("{}{} %", share > 0 ? "+" : "", WithInterval(100 * share, 100 * half_width));
+Told PercentTold(double share, double half_width) {
+  return TellNumber(ChangeWithInterval(100 * share, 100 * half_width) + " %");
 }
 
 Told PartText(const FindingPart& part) {
   const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
-  if (part.share)
-    return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", quantity, 100 * part.size,
-                100 * kNormal95 * part.std);
+  if (part.share) return Tell("{} {}", "{} {}", quantity, PercentTold(part.size, kNormal95 * part.std));
   if (part.reference == 0) {  // an effect that is absent when healthy
     const EffectUnit unit = EffectUnitFor(part.unit);
-    return Tell("{} {:+.3g} ± {:.2g} {}", "{} {:+.3g} ± {:.2g} {}", quantity, part.size * unit.factor,
-                kNormal95 * part.std * unit.factor, UnitTold(unit.name));
+    return Tell("{} {} {}", "{} {} {}", quantity,
+                TellNumber(ChangeWithInterval(part.size * unit.factor, kNormal95 * part.std * unit.factor)),
+                UnitTold(unit.name));
   }
   const DisplayUnit unit = DisplayUnitFor(part.unit);
   const Told unit_name = part.unit == "1" ? Told{} : UnitTold(fmt::format(" {}", unit.name));
+  const double before = part.reference * unit.factor + unit.offset, change = part.size * unit.factor,
+               half = kNormal95 * part.std * unit.factor;
+  const int digits = DigitsFor(before, half);
   const Told values =
-      Tell("{:.4g} -> {:.4g}{}", "{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
-           (part.reference + part.size) * unit.factor + unit.offset, unit_name);
+      Tell("{}{}", "{}{}",
+           TellNumber(fmt::format("{:.{}g} -> {:.{}g}", before, digits, before + change, digits)), unit_name);
   const auto share = RelativeChange(part.reference, part.std, part.size);
   if (share && *share <= -1)
     return Tell("{} beyond anything physical", "{} jenseits alles physikalisch Möglichen", quantity);
   if (share)
     return Tell("{} {} ({})", "{} {} ({})", quantity,
-                TellNumber(PercentText(*share, kNormal95 * part.std / std::abs(part.reference))), values);
-  return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", quantity, part.size * unit.factor,
-              kNormal95 * part.std * unit.factor, unit_name, values);
+                PercentTold(*share, kNormal95 * part.std / std::abs(part.reference)), values);
+  return Tell("{} {}{} ({})", "{} {}{} ({})", quantity, TellNumber(ChangeWithInterval(change, half)),
+              unit_name, values);
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ TEST(DisturbedPoints, AHumThatBothChannelsPickUpDoesNotSpoilTheModel) {
     EXPECT_NEAR(response->model->natural_frequency.value, 80, 2) << in_response;
     EXPECT_NEAR(response->model->damping.value, 0.7, 0.03) << in_response;
     bool told = false;
-    for (const std::string& warning : response->warnings)
-      told = told || warning.find("hum") != std::string::npos;
+    for (const Told& warning : response->warnings)
+      told = told || warning.english.find("hum") != std::string::npos;
     EXPECT_TRUE(told) << in_response;
   }
 }
@@ -95,7 +95,8 @@ TEST(DisturbedPoints, AHumOfJustAHeldFrequencyDoesNotSpoilTheModel) {
       EXPECT_NEAR(f0.value, 120, 3 * f0.std) << hum;
       EXPECT_LT(f0.std, 0.5) << hum;
       EXPECT_EQ(CountOff(*response), 1) << hum;
-      EXPECT_THAT(response->warnings, testing::Contains(testing::HasSubstr("hum of just this frequency")))
+      EXPECT_THAT(InEnglish(response->warnings),
+                  testing::Contains(testing::HasSubstr("hum of just this frequency")))
           << hum;
     }
 }

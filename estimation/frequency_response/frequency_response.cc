@@ -1,11 +1,10 @@
 #include "estimation/frequency_response/frequency_response.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/told_error.h"
 #include "estimation/frequency_response/correlation.h"
 #include "estimation/frequency_response/disturbed_points.h"
 #include "estimation/frequency_response/model.h"
@@ -59,20 +58,26 @@ Status CheckRecord(const FrequencyRecord& record) {
     for (double y : run.output) out_low = std::min(out_low, y), out_high = std::max(out_high, y);
   }
   if (samples < kShortestRecord) {
-    return BadInput("the record is too short: {} usable samples, at least {} are needed", samples,
-                    kShortestRecord);
+    return BadInput(Tell("the record is too short: {} usable samples, at least {} are needed",
+                         "die Aufzeichnung ist zu kurz: {} brauchbare Werte, nötig sind mindestens {}",
+                         samples, kShortestRecord));
   }
   if (!(record.sample_period > 0))
     return BadInput("the sample period is {} s, a positive one is needed", record.sample_period);
   if (!(high > low)) {
-    return BadInput("the command is constant ({:.6g}): excite the valve with stepped sines, a chirp or noise",
-                    low);
+    return BadInput(Tell(
+        "the command is constant ({:.6g}): excite the valve with stepped sines, a chirp or noise",
+        "der Befehl ist konstant ({:.6g}): das Ventil mit gestuften Sinusschwingungen, einem Gleitsinus oder Rauschen "
+        "anregen",
+        low));
   }
   if (!(out_high > out_low)) {
-    return BadInput(
+    return BadInput(Tell(
         "the response is constant ({:.6g}) while the command moves: check that the right column is mapped, "
         "the sensor is connected and the valve is enabled",
-        out_low);
+        "die Antwort ist konstant ({:.6g}), während sich der Befehl bewegt: prüfen, ob die richtige Spalte zugeordnet, der Sensor "
+        "angeschlossen und das Ventil freigegeben ist",
+        out_low));
   }
   return {};
 }
@@ -134,53 +139,67 @@ void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
     response.model = *fitted;
   } else {
     response.model.reset();
-    response.model_reason = fitted.error().text;
+    response.model_reason = ToldOf(fitted.error());
   }
   UnwrapPhases(response.points, response.model ? &*response.model : nullptr);
 }
 
 /// Why not one of the held frequencies could be used.
-std::string NoneUsed(const std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options) {
+Told NoneUsed(const std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options) {
   if (const int outside = CountReason(points, PointReason::kOutsideRange); outside > 0)
-    return fmt::format(
+    return Tell(
         "no usable frequency lies within {:g} to {:g} Hz, {} of {} lie outside: give a wider range",
+        "keine brauchbare Frequenz liegt zwischen {:g} und {:g} Hz, {} von {} liegen außerhalb: den Bereich weiter wählen",
         options.lowest, options.highest, outside, points.size());
   if (const int clipped = CountReason(points, PointReason::kClipped); clipped > 0)
-    return fmt::format(
+    return Tell(
         "command or response is clipped at {} of {} frequencies: lower the amplitude or check the sensor's range",
+        "Befehl oder Antwort ist bei {} von {} Frequenzen abgeschnitten: die Amplitude senken oder den Messbereich prüfen",
         clipped, points.size());
   if (CountReason(points, PointReason::kNoResponse) > 0)
-    return fmt::format(
+    return Tell(
         "the response does not follow the command at any of {} frequencies (it is noise): check that the right column is mapped "
         "and the valve is enabled",
+        "die Antwort folgt dem Befehl bei keiner von {} Frequenzen (sie ist Rauschen): prüfen, ob die richtige Spalte zugeordnet "
+        "und das Ventil freigegeben ist",
         points.size());
-  return fmt::format(
+  return Tell(
       "all {} held frequencies are too short: fewer than 2 whole periods are left after the transient; hold each frequency longer",
+      "alle {} gehaltenen Frequenzen sind zu kurz: nach dem Einschwingen bleiben weniger als 2 ganze Perioden; jede Frequenz "
+      "länger halten",
       points.size());
 }
 
 void WarnOfLeftOut(FrequencyResponse& response) {
-  static constexpr std::pair<PointReason, const char*> kReasons[] = {
-      {PointReason::kClipped, "command or response is clipped"},
-      {PointReason::kNoResponse, "the response does not stand out of its noise"},
-      {PointReason::kTooShort, "fewer than 2 whole periods after the transient"},
-      {PointReason::kOutsideRange, "outside the range asked for"},
+  static constexpr std::pair<PointReason, Wording> kReasons[] = {
+      {PointReason::kClipped, {"command or response is clipped", "Befehl oder Antwort ist abgeschnitten"}},
+      {PointReason::kNoResponse,
+       {"the response does not stand out of its noise", "die Antwort hebt sich nicht von ihrem Rauschen ab"}},
+      {PointReason::kTooShort,
+       {"fewer than 2 whole periods after the transient",
+        "weniger als 2 ganze Perioden nach dem Einschwingen"}},
+      {PointReason::kOutsideRange, {"outside the range asked for", "außerhalb des gewünschten Bereichs"}},
       {PointReason::kOffTheOthers,
-       "far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
-       "next to it"}};
+       {"far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
+        "next to it",
+        "weit neben dem Modell, das alle anderen beschreibt, wie wo die Antwort ein Brummen gerade dieser Frequenz aufnimmt: "
+        "daneben wiederholen"}}};
   for (const auto& [reason, what] : kReasons)
     if (const int count = CountReason(response.points, reason); count > 0)
-      response.warnings.push_back(
-          fmt::format("{} of {} frequencies left out: {}", count, response.points.size(), what));
+      response.warnings.push_back(Tell("{} of {} frequencies left out: {}",
+                                       "{} von {} Frequenzen ausgelassen: {}", count, response.points.size(),
+                                       what));
 }
 
 Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Search& search,
                                          const FrequencyResponseOptions& options) {
   if (static_cast<double>(search.covered) <= kFewestHeld * static_cast<double>(search.active)) {
-    return BadInput(
+    return BadInput(Tell(
         "no frequency is held steadily in the command ({} stretches drift); hold each for at least 5 periods "
         "(2 more than the transient takes), or use --method welch for a chirp or noise",
-        search.unsteady);
+        "im Befehl ist keine Frequenz ruhig gehalten ({} Strecken laufen weg); jede mindestens 5 Perioden halten (2 mehr, als das "
+        "Einschwingen dauert), oder bei Gleitsinus und Rauschen gemittelte Spektren (--method welch) nehmen",
+        search.unsteady));
   }
   FrequencyResponse response;
   response.method = FrequencyResponseMethod::kSine;
@@ -201,25 +220,28 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
                                     : std::nullopt)
     TakeModel(std::move(*without), response);
   if (CountReason(response.points, PointReason::kUsed) == 0)
-    return BadInput("{}", NoneUsed(response.points, options));
+    return BadInput(NoneUsed(response.points, options));
   WarnOfLeftOut(response);
   if (search.unsteady > 0) {
-    response.warnings.push_back(fmt::format(
-        "{} stretches of the command were left out: frequency or amplitude not steady", search.unsteady));
+    response.warnings.push_back(Tell(
+        "{} stretches of the command were left out: frequency or amplitude not steady",
+        "{} Strecken des Befehls wurden ausgelassen: Frequenz oder Amplitude nicht ruhig", search.unsteady));
   }
   return response;
 }
 
-std::string DisturbedWarning(const std::vector<FrequencyPoint>& points) {
+Told DisturbedWarning(const std::vector<FrequencyPoint>& points) {
   double lowest = std::numeric_limits<double>::infinity(), highest = 0;
   for (const FrequencyPoint& p : points) {
     if (p.reason != PointReason::kDisturbed) continue;
     lowest = std::min(lowest, p.frequency);
     highest = std::max(highest, p.frequency);
   }
-  return fmt::format(
+  return Tell(
       "{} frequencies between {:.4g} and {:.4g} Hz left out: the command is weak there and the response follows "
       "another law than elsewhere, as where both channels pick up a hum",
+      "{} Frequenzen zwischen {:.4g} und {:.4g} Hz ausgelassen: der Befehl ist dort schwach, und die Antwort folgt einem anderen "
+      "Gesetz als sonst, wie wo beide Kanäle ein Brummen aufnehmen",
       CountReason(points, PointReason::kDisturbed), lowest, highest);
 }
 
@@ -268,28 +290,34 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
   const int used = CountReason(response.points, PointReason::kUsed);
   const int outside = CountReason(response.points, PointReason::kOutsideRange);
   if (used < 3 && outside > 0) {
-    return BadInput(
+    return BadInput(Tell(
         "only {} coherent frequencies lie within {:g} to {:g} Hz, at least 3 are needed; {} lie outside: "
         "give a wider range or a longer --segment",
-        used, options.lowest, options.highest, outside);
+        "nur {} kohärente Frequenzen liegen zwischen {:g} und {:g} Hz, nötig sind mindestens 3; {} liegen außerhalb: einen "
+        "weiteren Bereich oder längere Segmente (--segment) wählen",
+        used, options.lowest, options.highest, outside));
   }
   if (used < 3) {
-    return BadInput(
+    return BadInput(Tell(
         "command and response are not related: coherence reaches the limit at {} of {} frequencies, at least "
         "3 are needed; check that the right columns are mapped, that the "
         "command moves and the valve is enabled",
-        used, response.points.size());
+        "Befehl und Antwort hängen nicht zusammen: die Kohärenz erreicht die Grenze bei {} von {} Frequenzen, nötig sind "
+        "mindestens 3; prüfen, ob die richtigen Spalten zugeordnet sind, der Befehl sich bewegt und das Ventil freigegeben ist",
+        used, response.points.size()));
   }
   if (const int powerless = CountReason(response.points, PointReason::kNoPower); powerless > 0) {
-    response.warnings.push_back(fmt::format(
+    response.warnings.push_back(Tell(
         "{} coherent frequencies left out: the command has hardly any power there, what both channels share "
         "is accident or disturbance",
+        "{} kohärente Frequenzen ausgelassen: der Befehl hat dort kaum Leistung, was beide Kanäle teilen, ist Zufall oder Störung",
         powerless));
   }
   for (const SignalRun& run : record.runs) {
     if (LooksClipped(run.input) || LooksClipped(run.output)) {
       response.warnings.push_back(
-          "command or response sits on its extreme for long: clipped or saturated, lower the amplitude");
+          {"command or response sits on its extreme for long: clipped or saturated, lower the amplitude",
+           "Befehl oder Antwort steht lange auf ihrem Höchstwert: abgeschnitten oder am Anschlag, die Amplitude senken"});
       break;
     }
   }
@@ -310,39 +338,52 @@ void AddModelWarnings(FrequencyResponse& response) {
   const ValveModel& m = *response.model;
   if (m.gain.value < 0)
     response.warnings.push_back(
-        "the response moves against the command: polarity of a sensor or of the valve is reversed");
+        {"the response moves against the command: polarity of a sensor or of the valve is reversed",
+         "die Antwort bewegt sich gegen den Befehl: ein Sensor oder das Ventil ist umgepolt"});
   if (m.dead_time.value + 3 * m.dead_time.std < 0) {
     response.warnings.push_back(
-        "the dead time is negative: the command is recorded later than the response, "
-        "or it is not the signal the valve gets");
+        {"the dead time is negative: the command is recorded later than the response, "
+         "or it is not the signal the valve gets",
+         "die Totzeit ist negativ: der Befehl ist später aufgezeichnet als die Antwort, oder er ist nicht das, was das Ventil "
+         "bekommt"});
   }
   if (m.first_order && m.bandwidth.std > kWeakFrequency * m.bandwidth.value) {
     response.warnings.push_back(
-        "the response is of first order as far as it is seen, and not even its corner frequency is determined: record "
-        "longer, with more amplitude, or sweep higher");
+        {"the response is of first order as far as it is seen, and not even its corner frequency is determined: record "
+         "longer, with more amplitude, or sweep higher",
+         "die Antwort ist, soweit man sieht, erster Ordnung, und nicht einmal ihre Eckfrequenz ist bestimmt: länger, mit mehr "
+         "Amplitude oder bis zu höheren Frequenzen aufzeichnen"});
   } else if (m.first_order) {
-    response.warnings.push_back(fmt::format(
+    response.warnings.push_back(Tell(
         "the response is of first order with dead time: only its corner frequency f0/(2 D) = {:.4g} Hz is "
         "determined, D is held at {:.3g}",
+        "die Antwort ist erster Ordnung mit Totzeit: nur ihre Eckfrequenz f0/(2 D) = {:.4g} Hz ist bestimmt, D ist auf {:.3g} "
+        "festgehalten",
         m.natural_frequency.value / (2 * m.damping.value), m.damping.value));
   } else if (m.natural_frequency.std > kWeakFrequency * m.natural_frequency.value ||
              m.phase_90.value > kFarExtrapolation * m.highest) {
-    response.warnings.push_back(
-        fmt::format("the frequencies (up to {:.4g} Hz) end well before the phase reaches -90 degrees: f0 and "
-                    "D are weakly determined, sweep higher",
-                    m.highest));
+    response.warnings.push_back(Tell(
+        "the frequencies (up to {:.4g} Hz) end well before the phase reaches -90 degrees: f0 and "
+        "D are weakly determined, sweep higher",
+        "die Frequenzen (bis {:.4g} Hz) enden lange, bevor die Phase -90 Grad erreicht: f0 und D sind schwach bestimmt, bis "
+        "zu höheren Frequenzen messen",
+        m.highest));
   }
   if (m.command_hold > 0) {
-    response.warnings.push_back(
-        fmt::format("the response fits a command that is held between samples ({:.4g} ms): the hold is taken "
-                    "into account and is not part of the dead time",
-                    1e3 * m.command_hold));
+    response.warnings.push_back(Tell(
+        "the response fits a command that is held between samples ({:.4g} ms): the hold is taken "
+        "into account and is not part of the dead time",
+        "die Antwort passt zu einem Befehl, der zwischen den Werten gehalten wird ({:.4g} ms): das ist berücksichtigt und "
+        "nicht Teil der Totzeit",
+        1e3 * m.command_hold));
   }
   if (m.inflation > 1) {
-    response.warnings.push_back(
-        fmt::format("second order with dead time does not describe the points within their noise: misfit is "
-                    "{:.3g} times the noise, intervals are widened by that",
-                    m.inflation));
+    response.warnings.push_back(Tell(
+        "second order with dead time does not describe the points within their noise: misfit is "
+        "{:.3g} times the noise, intervals are widened by that",
+        "zweite Ordnung mit Totzeit beschreibt die Punkte nicht innerhalb ihres Rauschens: die Abweichung ist {:.3g}-mal das "
+        "Rauschen, die Intervalle sind darum weiter",
+        m.inflation));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "core/told.h"
 
 namespace hydroscope {
 
@@ -146,9 +147,9 @@ struct FrequencyResponse {
   FrequencyResponseMethod method = FrequencyResponseMethod::kSine;  ///< the one that was used
   std::vector<FrequencyPoint> points;  ///< in order of frequency; `reason` says which take part in the fit
   std::optional<ValveModel> model;     ///< absent: `model_reason` says why
-  std::string model_reason;
-  std::size_t segment_length = 0;     ///< Welch: samples per segment
-  std::vector<std::string> warnings;  ///< what the reader of the result should know, one sentence each
+  Told model_reason;
+  std::size_t segment_length = 0;  ///< Welch: samples per segment
+  std::vector<Told> warnings;      ///< what the reader of the result should know, one sentence each
 };
 
 /// Marks points outside the range of frequencies asked for.

@@ -25,7 +25,7 @@ using test_signals::TrueResponse;
 ValveModel ModelOf(const Sweep& sweep, std::uint64_t seed = 1) {
   const auto response = MeasureFrequencyResponse(Simulate(sweep, seed));
   EXPECT_TRUE(response) << (response ? "" : response.error().text);
-  EXPECT_TRUE(response && response->model) << (response ? response->model_reason : "");
+  EXPECT_TRUE(response && response->model) << (response ? response->model_reason.english : "");
   return response && response->model ? *response->model : ValveModel{};
 }
 
@@ -233,7 +233,7 @@ TEST(FrequencyResponse, ReversedPolarityIsNamed) {
   EXPECT_NEAR(response->model->gain.value, -1.005, 0.001);
   EXPECT_NEAR(response->model->natural_frequency.value, 183.9, 0.5);
   ASSERT_FALSE(response->warnings.empty());
-  EXPECT_NE(response->warnings[0].find("polarity"), std::string::npos);
+  EXPECT_NE(response->warnings[0].english.find("polarity"), std::string::npos);
 }
 
 TEST(FrequencyResponse, BroadbandNoiseIsEvaluatedByWelchAndHoldsTheTruth) {
@@ -459,7 +459,8 @@ TEST(FrequencyResponse, CoherentFrequenciesWithoutPowerDoNotSpoilTheModel) {
   EXPECT_NEAR(response->model->natural_frequency.value, 30, 1);
   EXPECT_NEAR(response->model->damping.value, 0.7, 0.05);
   ASSERT_FALSE(response->warnings.empty());
-  EXPECT_NE(response->warnings[0].find("hardly any power"), std::string::npos) << response->warnings[0];
+  EXPECT_NE(response->warnings[0].english.find("hardly any power"), std::string::npos)
+      << response->warnings[0].english;
 }
 
 }  // namespace

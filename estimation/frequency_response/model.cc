@@ -11,6 +11,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "estimation/frequency_response/figures.h"
 #include "estimation/frequency_response/fit_problem.h"
@@ -276,10 +277,12 @@ namespace {
 Result<ValveModel> Fit(const FitProblem& problem, const Minimum& found, double correlation) {
   Matrix4 covariance;
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
-    return BadInput(
+    return BadInput(Tell(
         "the {} frequencies from {:.4g} to {:.4g} Hz do not determine f0 and D; sweep up to the frequency at "
         "which the phase passes -90 degrees",
-        problem.targets().size(), problem.lowest() / kTwoPi, problem.highest() / kTwoPi);
+        "die {} Frequenzen von {:.4g} bis {:.4g} Hz bestimmen f0 und D nicht; bis zu der Frequenz messen, bei der die Phase "
+        "-90 Grad überschreitet",
+        problem.targets().size(), problem.lowest() / kTwoPi, problem.highest() / kTwoPi));
   }
   ValveModel model;
   model.chi_squared = found.cost;
@@ -297,8 +300,10 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
                                  double sample_period, bool surely_held, const ValveModel* near) {
   const FitProblem continuous(points);
   if (continuous.targets().size() < 3) {
-    return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
-                    continuous.targets().size());
+    return BadInput(
+        Tell("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
+             "ein Modell braucht mindestens 3 brauchbare Frequenzen, es sind {}; mehr Frequenzen messen",
+             continuous.targets().size()));
   }
   const Minimum found = FindMinimum(continuous, near);
   Result<ValveModel> model = Fit(continuous, found, correlation);

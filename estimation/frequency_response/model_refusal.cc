@@ -1,7 +1,5 @@
 #include "estimation/frequency_response/model_refusal.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -58,39 +56,50 @@ double DistanceFromDelay(const std::vector<FrequencyPoint>& points) {
   return std::sqrt(off / count);
 }
 
-/// "" if gain and corner frequency may be a valve's.
-std::string WhyNoValve(const ValveModel& m) {
+/// Nothing if gain and corner frequency may be a valve's.
+Told WhyNoValve(const ValveModel& m) {
   const double gain = std::abs(m.gain.value);
   if (gain < kLeastGain || gain > kMostGain)
-    return fmt::format(
+    return Tell(
         "full command would move the spool by {:.3g} of its stroke: a unit is not the one that the machine file says (unit of "
         "command and response, [valve] full_scale)",
+        "der volle Befehl würde den Schieber um das {:.3g}-fache seines Hubs bewegen: eine Einheit ist nicht die, die in der "
+        "Maschinendatei steht (Einheit von Befehl und Antwort, [valve] full_scale)",
         gain);
   const double corner =
       m.first_order ? m.natural_frequency.value / (2 * m.damping.value) : m.natural_frequency.value;
   if (corner < kLeastFrequency || corner > kMostFrequency)
-    return fmt::format(
+    return Tell(
         "the valve would have its corner at {:.3g} Hz: the time is not in the unit that the machine file says, or command and "
         "response are not a valve's",
+        "das Ventil hätte seine Eckfrequenz bei {:.3g} Hz: die Zeit ist nicht in der Einheit, die in der Maschinendatei steht, "
+        "oder Befehl und Antwort sind nicht die eines Ventils",
         corner);
-  return "";
+  return {};
 }
 
 }  // namespace
 
-std::string WhyNoModel(const FrequencyResponse& response, bool shares) {
+Told WhyNoModel(const FrequencyResponse& response, bool shares) {
   if (DistanceFromDelay(response.points) < kNoLag)
-    return "the response follows the command without any lag but a delay: it is the command once more, "
-           "or a set point, not what the valve did";
+    return {
+        "the response follows the command without any lag but a delay: it is the command once more, "
+        "or a set point, not what the valve did",
+        "die Antwort folgt dem Befehl ohne jede Trägheit, nur verzögert: sie ist der Befehl noch einmal oder ein Sollwert, nicht "
+        "was das Ventil tat"};
   if (!response.model) return response.model_reason;
   const ValveModel& m = *response.model;
   if (const double off = DistanceFromModel(response); m.inflation > 1 && off > kFarOff)
-    return fmt::format(
+    return Tell(
         "second order with dead time does not describe the points, which lie {:.0f} % off it: the spool ran into a limit of speed "
         "or stroke or has a dead band (repeat with less amplitude), valve or sensor changed amid the record, or the rows are too far "
         "apart for these frequencies (log faster, or leave the highest out with --to)",
+        "zweite Ordnung mit Totzeit beschreibt die Punkte nicht, die {:.0f} % daneben liegen: der Schieber lief an eine Grenze von "
+        "Geschwindigkeit oder Hub oder hat eine tote Zone (mit weniger Amplitude wiederholen), Ventil oder Sensor änderte sich "
+        "während der Aufzeichnung, oder die Zeilen liegen für diese Frequenzen zu weit auseinander (schneller aufzeichnen oder die "
+        "höchsten mit --to auslassen)",
         100 * off);
-  return shares ? WhyNoValve(m) : "";
+  return shares ? WhyNoValve(m) : Told();
 }
 
 }  // namespace hydroscope

@@ -57,7 +57,7 @@ std::string ReasonOf(const FrequencyRecord& record) {
   const auto response = MeasureFrequencyResponse(record);
   if (!response) return response.error().text;
   EXPECT_TRUE(response->model.has_value() != !response->model_reason.empty());
-  return response->model_reason;
+  return response->model_reason.english;
 }
 
 TEST(ModelRefusal, AValveAsItShouldBeIsNotRefused) {

@@ -8,6 +8,8 @@
 #include <span>
 #include <unsupported/Eigen/FFT>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -182,19 +184,25 @@ Result<WelchSpectra> EstimateByWelch(const FrequencyRecord& record, const Freque
   WelchSpectra spectra;
   spectra.segment_length = options.segment_length > 0 ? options.segment_length : std::bit_floor(longest / 8);
   if (spectra.segment_length < kShortest || spectra.segment_length > longest) {
-    return BadInput(
+    const Told of_one = options.segment_length > 0 ? Told(" for one segment (give a shorter --segment)",
+                                                          " für ein Segment (kürzere wählen, --segment)")
+                                                   : Told();
+    return BadInput(Tell(
         "the record is too short for averaged spectra: its longest stretch without a gap has {} samples, {} "
         "are needed{}; record longer",
-        longest, options.segment_length > 0 ? options.segment_length : 8 * kShortest,
-        options.segment_length > 0 ? " for one segment (give a shorter --segment)" : "");
+        "die Aufzeichnung ist zu kurz für gemittelte Spektren: ihre längste Strecke ohne Lücke hat {} Werte, nötig sind {}{}; "
+        "länger aufzeichnen",
+        longest, options.segment_length > 0 ? options.segment_length : 8 * kShortest, of_one));
   }
   const SegmentSpectra segments = Transform(record, spectra.segment_length);
   spectra.segments = segments.segments;
   if (spectra.segments < kFewestSegments) {
-    return BadInput(
+    return BadInput(Tell(
         "only {} segments of {} samples fit into the record, at least {} are needed to judge coherence; "
         "record longer or give a shorter --segment",
-        spectra.segments, spectra.segment_length, kFewestSegments);
+        "nur {} Segmente von {} Werten passen in die Aufzeichnung, um die Kohärenz zu beurteilen, sind mindestens {} nötig; länger "
+        "aufzeichnen oder kürzere Segmente wählen (--segment)",
+        spectra.segments, spectra.segment_length, kFewestSegments));
   }
   const double length = static_cast<double>(spectra.segment_length);
   const double averages = spectra.segments * kIndependentShare;

@@ -73,7 +73,10 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), [&](StrokeRecord&& stroke) {
     strokes.push_back({{"begin", stroke.summary.begin}, {"end", stroke.summary.end}});
   });
-  if (!pipeline) no_strokes = ErrorJson(ToldOf(pipeline.error()));
+  if (MeasuredByResponse(KindOf(machine)))
+    strokes = nullptr;
+  else if (!pipeline)
+    no_strokes = ErrorJson(ToldOf(pipeline.error()));
   std::vector<Envelope> signals(machine.signals.size(), Envelope(kPicturePoints));
   std::vector<GateCourse> gate = GateCoursesOf(machine, (*reader)->SamplePeriod());
   double first = kNaN, last = kNaN;

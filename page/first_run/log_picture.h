@@ -33,7 +33,7 @@ class Envelope {
 inline constexpr std::size_t kPicturePoints = 1600;
 
 /// A whole log at the size of a screen: `time` (`from`, `step`, s), `signals` (`name`, `unit`, `low`, `high` in the unit
-/// shown), `strokes` (`begin`, `end`, s: what the gate lets through), `discarded` (too short), `no_strokes` (why the gate
+/// shown), `strokes` (`begin`, `end`, s: what the gate lets through; null: the machine has none), `discarded` (too short), `no_strokes` (why the gate
 /// says nothing, or null), `gate` (what each bound looks at, GateCourse::Json). Errors: as OpenRecording.
 Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& machine);
 

@@ -18,14 +18,6 @@ const double kDecibelsOfE = 20 / std::numbers::ln10;
 
 std::string FileName(const std::string& path) { return std::filesystem::path(path).filename(); }
 
-/// The newest log that nothing is compared with.
-std::string LogNow(const WorkInput& input) {
-  std::string now;
-  for (const std::string& log : input.logs)
-    if (log != input.hold_out) now = log;
-  return now;
-}
-
 /// Gain and phase of a model at the points.
 void AddCurve(const LoopLog& measured, const std::vector<const FrequencyPoint*>& points,
               const std::vector<double>& parameters, const std::string& of, nlohmann::json& response) {
@@ -55,7 +47,7 @@ nlohmann::json ResponseJson(const LoopLog& measured, const Result<LoopState>& be
 
 Result<nlohmann::json> WorkOutLoop(WorkRequest::Kind kind, const WorkInput& input) {
   if (kind == WorkRequest::Kind::kExplain) {
-    auto changed = ExplainLoopLog(LogNow(input), input.hold_out, input.machine_file);
+    auto changed = ExplainLoopLog(input.Newest(), input.hold_out, input.machine_file);
     if (!changed) return tl::unexpected(changed.error());
     changed->since = FileName(changed->since);
     changed->after.name = FileName(changed->after.name);
@@ -65,7 +57,7 @@ Result<nlohmann::json> WorkOutLoop(WorkRequest::Kind kind, const WorkInput& inpu
   }
   const auto machine = LoadMachine(input.machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto measured = MeasureLoopLog(LogNow(input), *machine);
+  auto measured = MeasureLoopLog(input.Newest(), *machine);
   if (!measured) return tl::unexpected(measured.error());
   measured->name = FileName(measured->name);
   nlohmann::json json = LoopJson(*measured, *machine);

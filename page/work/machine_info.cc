@@ -71,7 +71,10 @@ nlohmann::json MachineInfoJson(const Machine& machine) {
           {"parameters", KindParametersJson(kind)},
           {"counted", CountedWordsOf(machine).one},
           {"states", kind.has_states},
-          {"closed_loop", kind.closed_loop != nullptr}};
+          {"closed_loop", kind.closed_loop != nullptr},
+          {"valve", kind.closed_loop == nullptr && machine.SignalIndex(machine.valve.input) >= 0 &&
+                        machine.SignalIndex(machine.valve.output) >= 0},
+          {"valve_alone", MeasuredByResponse(kind) && kind.closed_loop == nullptr}};
 }
 
 }  // namespace hydroscope

@@ -56,6 +56,13 @@ Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& in
 
 }  // namespace
 
+std::string WorkInput::Newest() const {
+  std::string newest;
+  for (const std::string& log : logs)
+    if (log != hold_out) newest = log;
+  return newest;
+}
+
 Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, StrokeFindings& strokes) {
   if (kind == WorkRequest::Kind::kCheck) {
     const auto check = CheckLog(input.logs.front(), input.machine_file);

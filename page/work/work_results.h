@@ -21,6 +21,9 @@ struct WorkInput {
   std::vector<std::string> logs;
   std::string hold_out, machine_file;
   std::map<std::string, MeasuredSize> measured = {};
+
+  /// The newest log that nothing is compared with.
+  std::string Newest() const;
 };
 
 /// What `compare` and `explain` found stroke by stroke.

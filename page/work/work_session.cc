@@ -13,6 +13,7 @@
 #include "page/first_run/log_proposal.h"
 #include "page/work/machine_info.h"
 #include "page/work/machine_versions.h"
+#include "page/work/valve_results.h"
 #include "replay/log_head.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_output.h"
@@ -259,6 +260,12 @@ Status WorkSession::Work(const WorkRequest& request) {
     auto preview = TryChange(request.effect, WithEffect, subject->input, folder_->path() + "/preview.toml");
     if (!preview) return tl::unexpected(preview.error());
     Store(*subject, KeyOf("preview", request.effect), std::move(*preview));
+    return {};
+  }
+  if (request.kind == Kind::kFrf) {
+    auto measured = WorkOutValve(subject->input, request.response);
+    if (!measured) return tl::unexpected(measured.error());
+    Store(*subject, WorkName(request.kind), std::move(*measured));
     return {};
   }
   StrokeFindings strokes;

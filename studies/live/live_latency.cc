@@ -133,8 +133,8 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
   const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
-  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service and press at niceness {}\n", o.axes,
-             o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
+  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service and press at niceness {}\n",
+             o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);

@@ -14,18 +14,19 @@ export function LogView({ picture }: { picture: LogPicture }) {
   const data = useMemo(() => {
     const x = (signal?.low ?? []).map((_, k) => picture.from + (k + 0.5) * picture.step);
     return { x, values: signal ? [signal.low, signal.high].map((list) => list.map((value) => shownNumber(value, signal.unit))) : [[], []],
-      shades: picture.strokes.map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })) };
+      shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })) };
   }, [picture, signal, unitsKey()]);
   if (!signal) return null;
   const color = pageColor("--line-a");
+  const counted = picture.strokes && say("gateText", { count: picture.strokes.length, discarded: picture.discarded });
   return (
     <section class="log-view">
-      <h2>{say("gateTitle")}</h2>
-      <p role="status">{picture.no_strokes ? <Told of={picture.no_strokes} what="error" /> : say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}</p>
+      <h2>{say(picture.strokes ? "gateTitle" : "logTitle")}</h2>
+      {picture.strokes && <p role="status">{picture.no_strokes ? <Told of={picture.no_strokes} what="error" /> : counted}</p>}
       <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
         {moving.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
       </select></label>
-      <Plot label={`${signal.name}, ${say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}`} x={data.x} values={data.values} shades={data.shades} height={220}
+      <Plot label={[signal.name, counted].filter((text) => text).join(", ")} x={data.x} values={data.values} shades={data.shades} height={220}
         lines={[{ label: signal.name, color, width: 1 }, { label: "", color, width: 1, hidden: true }]}
         bands={[{ high: 1, low: 0, color }]}
         xLabel={`${say("time")} (s)`} yLabel={`${signal.name}${nameOf(signal.unit) && ` (${nameOf(signal.unit)})`}`} />

@@ -5,7 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { short } from "./units";
 
-export interface Line { label: string; color: string; dashed?: boolean; width?: number; hidden?: boolean; sparse?: boolean }  // sparse: drawn over points without a value
+export interface Line { label: string; color: string; dashed?: boolean; width?: number; hidden?: boolean; sparse?: boolean; dots?: boolean }  // sparse: drawn over points without a value; dots: in place of a line
 /** A height across the whole picture. */
 export interface Level { value: number; color: string }
 /** Between heights of the picture and places in the window, pixels. */
@@ -18,6 +18,7 @@ interface Props {
   lines: Line[];
   values: (number | null)[][];
   bands?: { high: number; low: number; color: string }[];  // between lines, numbered from 0
+  bars?: { high: number; low: number; color: string };  // upright between two lines at every place, of points with intervals
   xLabel: string;
   yLabel: string;
   height: number;
@@ -25,6 +26,7 @@ interface Props {
   levels?: Level[];  // across, which the picture has room for
   view?: { current: PlotView | null };
   logX?: boolean;
+  yRange?: [number, number];
 }
 
 /** A colour of the page, by its name in style.css. */
@@ -67,13 +69,32 @@ function drawLevels(plot: uPlot, levels: Level[]) {
   plot.ctx.restore();
 }
 
+/** With some room beside the first and the last of a scale of logarithms. */
+const beside = (_: uPlot, low: number, high: number): [number, number] => [low / 1.08, high * 1.08];
+
 /** The heights of what is drawn, with room for the levels. */
 function withRoom(low: number | null, high: number | null, levels: Level[]): [number, number] {
   const all = [low ?? 0, high ?? 1, ...levels.map((level) => level.value)], a = Math.min(...all), b = Math.max(...all);
   return [a - 0.08 * (b - a || 1), b + 0.08 * (b - a || 1)];
 }
 
-export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades, levels, view, logX }: Props) {
+function drawBars(plot: uPlot, bars: { high: number; low: number; color: string }) {
+  plot.ctx.save();
+  plot.ctx.strokeStyle = bars.color;
+  plot.ctx.lineWidth = 1.2 * devicePixelRatio;
+  plot.ctx.beginPath();
+  plot.data[0].forEach((at, k) => {
+    const low = plot.data[bars.low + 1][k], high = plot.data[bars.high + 1][k];
+    if (low === null || low === undefined || high === null || high === undefined) return;
+    const x = plot.valToPos(at, "x", true);
+    plot.ctx.moveTo(x, plot.valToPos(low, "y", true));
+    plot.ctx.lineTo(x, plot.valToPos(high, "y", true));
+  });
+  plot.ctx.stroke();
+  plot.ctx.restore();
+}
+
+export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, height, shades, levels, view, logX, yRange }: Props) {
   const shown = useRef<uPlot | null>(null), across = useRef<Level[]>([]);
   across.current = levels ?? [];
   useEffect(() => shown.current?.redraw(false), [JSON.stringify(levels)]);
@@ -84,15 +105,16 @@ export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, s
     const draw = () => {
       const plot = new uPlot({
         width: Math.max(200, place.clientWidth), height,
-        scales: { x: { time: false, ...(logX ? { distr: 3 as const } : {}) }, ...(levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
-        axes: [{ ...axis(xLabel, 34), ...(logX ? { values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
+        scales: { x: { time: false, ...(logX ? { distr: 3 as const, range: beside } : {}) }, ...(yRange ? { y: { range: yRange } } : levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
+        pxAlign: 0,
+        axes: [{ ...axis(xLabel, 34), ...(logX ? { filter: (_: uPlot, splits: number[]) => splits, values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
         series: [{ label: xLabel }, ...lines.map((line) => ({
           label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined, spanGaps: line.sparse,
-          points: { show: false },
+          ...(line.dots ? { paths: () => null, points: { show: true, size: 5, fill: line.color } } : { points: { show: false } }),
         }))],
         bands: bands?.map((band) => ({ series: [band.high + 1, band.low + 1] as [number, number], fill: band.color })),
         legend: { show: false },
-        hooks: { drawClear: [(u) => drawShades(u, shades ?? [])], draw: [(u) => drawLevels(u, across.current)] },
+        hooks: { drawClear: [(u) => drawShades(u, shades ?? [])], draw: [(u) => drawLevels(u, across.current), ...(bars ? [(u: uPlot) => drawBars(u, bars)] : [])] },
         cursor: { drag: { x: true, y: false } },
       }, [x, ...values] as uPlot.AlignedData, place);
       shown.current = plot;
@@ -117,17 +139,17 @@ export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, s
       <div ref={box} role="img" aria-label={label} />
       <figcaption>
         {lines.filter((line) => !line.hidden).map((line) => (
-          <span class="key" key={line.label}><Swatch color={line.color} dashed={line.dashed} />{line.label}</span>
+          <span class="key" key={line.label}><Swatch color={line.color} dashed={line.dashed} dots={line.dots} />{line.label}</span>
         ))}
       </figcaption>
     </figure>
   );
 }
 
-function Swatch({ color, dashed }: { color: string; dashed?: boolean }) {
+function Swatch({ color, dashed, dots }: { color: string; dashed?: boolean; dots?: boolean }) {
   return (
     <svg width="24" height="8" aria-hidden="true">
-      <line x1="0" y1="4" x2="24" y2="4" stroke={color} stroke-width="3" stroke-dasharray={dashed ? "6 4" : undefined} />
+      {dots ? <circle cx="12" cy="4" r="3" fill={color} /> : <line x1="0" y1="4" x2="24" y2="4" stroke={color} stroke-width="3" stroke-dasharray={dashed ? "6 4" : undefined} />}
     </svg>
   );
 }

@@ -12,6 +12,7 @@ type Kind = keyof Results;
 /** The same of a machine in closed loop. */
 export const ofLoop = (results: Results) => ({ response: results.compare as unknown as LoopResult | undefined, changes: results.explain as unknown as LoopChanges | undefined });
 const kinds: Kind[] = ["compare", "check", "picture", "explain"];  // what takes longest last
+const ofAnyLog: Kind[] = ["check", "picture"];  // of a valve alone, which has nothing else
 
 interface State {
   session: Session | null;
@@ -101,7 +102,7 @@ export async function refresh(): Promise<void> {
   shown = now;
   set({ session, results: {}, failed: {} });
   if (!session.machine || now === "") return;
-  for (const kind of kinds) void workOut(kind, session.machine.version);
+  for (const kind of session.machine.valve_alone ? ofAnyLog : kinds) void workOut(kind, session.machine.version);
   const { effects } = await get<{ effects: Effect[] }>("effects");
   knowEffects(effects);
   set({ effects });

@@ -17,7 +17,7 @@ export interface Version {
 
 export interface MachineInfo {
   name: string; title: string; version: number; effects: string[]; output: string; stroke: string; counted: "stroke" | "episode"; sign: string;
-  states: boolean; closed_loop: boolean; suggested_file: string; signals: string[]; own_effects: string[];
+  states: boolean; closed_loop: boolean; valve: boolean; valve_alone: boolean; suggested_file: string; signals: string[]; own_effects: string[];
   german: { title: string; output: string; stroke: string; sign: string }; picture: Picture;
   parameters: Record<string, { symbol: string; meaning: string; shown: Unit | null; german: { meaning: string } }>;
 }
@@ -52,8 +52,9 @@ export interface Session {
 export interface User { name: string; role: "view" | "operate" | "admin"; token: string }
 
 export interface CheckResult {
-  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number | null; hints: string[]; warnings: string[]; german?: { hints: string[] };
-  sampling: { rate_hz: number; fast_enough: boolean; gaps: number };
+  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number | null; hints: string[]; warnings: string[]; stopped: string | null;
+  german?: { hints: string[]; warnings: string[]; time_base: string };
+  sampling: { rate_hz: number; fast_enough: boolean; gaps: number; longest_gap_s: number; time_base: string };
   signals: { signal: string; column: string; unit: string; present: boolean; min: number | null; max: number | null; noise_std: number | null;
     good: number; flags: Record<string, { count: number; first_s: number }> }[];
   gate: { share: number; too_short: number; conditions: { condition: string; share: number }[] };
@@ -70,7 +71,8 @@ export interface RegionErrors {
   strokes: { stroke: number; windows: number; rms: number; noise: number }[]; effects: { effect: string; rms: number }[];
 }
 /** `log`: the file that the stroke is of. */
-export interface StrokeError { stroke: number; log?: string; begin: number | null; rms_residual: number; noise_floor?: number; model_error: number; free_run_bar: number | null }
+/** `windows`, of episodes `rows`: how long it is. */
+export interface StrokeError { stroke: number; windows?: number; rows?: number; log?: string; begin: number | null; rms_residual: number; noise_floor?: number; model_error: number; free_run_bar: number | null }
 
 export interface HeldOut { log: string; strokes: number; rms: number; unit: string }
 
@@ -86,6 +88,27 @@ export interface LoopResult {
   set_point: string; input: string; output: string; seconds: number; warnings: string[]; model_reason?: string; german?: { warnings: string[]; model_reason?: string };
   model: Record<string, { value: number; std: number; unit: string }> | null; text: string;
   response: { f_hz: number[]; gain: number[]; gain_half: number[]; phase: number[]; phase_half: number[]; model_gain?: number[]; model_phase?: number[]; before_gain?: number[]; before_phase?: number[] };
+}
+/** How the response of a valve is measured, as the options of `frf`. */
+export interface ValveOptions { method: string; segment: number; min_coherence: number; from: number; to: number | null; settle: number | null }
+export interface ValvePoint {
+  f_hz: number; gain: number; phase_deg: number; gain_std: number; phase_std_deg: number; coherence: number; amplitude: number;
+  distortion?: number; periods: number; model_gain?: number; model_phase_deg?: number;
+}
+interface Known { value: number; std: number }
+/** What `frf --json` says of a record beside its points. */
+export interface ValveFigures {
+  log: string; model: { f0_hz: Known; D: Known; K_v: Known; T_dead_s: Known } | null; model_reason?: string;
+  bandwidth_3db_hz: number | null; bandwidth_3db_std_hz?: number; bandwidth_3db_extrapolated?: boolean;
+  phase_90_hz: number | null; phase_90_std_hz?: number; phase_90_extrapolated?: boolean; t90_s?: number; t90_std_s?: number;
+  first_order?: boolean; inflation?: number; chi_squared?: number; degrees_of_freedom?: number;
+  supply_pressure_pa: number | null; oil_temperature_k: number | null; amplitude: number;
+  curve: { f_hz: number[]; gain: number[]; phase: number[] } | null;
+}
+export interface ValveResult extends ValveFigures {
+  method: "sine" | "welch"; input: string; output: string; points: ValvePoint[]; left_out: Record<string, number>; sample_rate_hz: number; segment_length: number;
+  warnings: string[]; hint: string | null; german?: { warnings: string[]; hint: string; model_reason?: string };
+  options: ValveOptions; before: ValveFigures | null; text: string;
 }
 /** Changes that together lead from before to now: factors, of delays seconds. */
 export interface LoopSet { set: string[]; parameters: Record<string, { value: number; std: number; unit: string }> }
@@ -137,7 +160,8 @@ export interface StrokePicture {
 export interface LogPicture {
   from: number; step: number; duration_s: number; rows: number; discarded: number; no_strokes: Failure | null;
   signals: { name: string; unit: string; low: (number | null)[]; high: (number | null)[] }[];
-  strokes: { begin: number; end: number }[];
+  /** null: the machine has none. */
+  strokes: { begin: number; end: number }[] | null;
   gate: GateCourse[];
 }
 /** What a bound of the gate looks at, SI. */

@@ -132,13 +132,15 @@ export function unitName(unit: { name: string }): string {
   return comma ? germanParts.reduce((text, [english, german]) => text.replace(english, german), name) : name;
 }
 
-/** "12202 ± 424", "(4.51 ± 0.03)e-12": the half width of the 95 % interval with two digits, the value with as many decimals. */
+/** "12202 ± 424", "(4.51 ± 0.03)e-12": the half width of the 95 % interval with two digits, the value with as many decimals; as
+ * commands and alarms write it (core/interval_text.h). */
 export function halfText(value: number, half: number | null): string {
   if (half === null || !Number.isFinite(half) || !(half > 0)) return short(value, 4);
   const exponent = Math.floor(Math.log10(Math.max(Math.abs(value), half)));
-  const scale = exponent < -3 || exponent > 6 ? 10 ** exponent : 1;
-  const decimals = Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(half / scale))));
-  const numbers = `${written((value / scale).toFixed(decimals))} ±${tie}${written((half / scale).toFixed(decimals))}`;
+  const scale = exponent < -4 || exponent > 6 ? 10 ** exponent : 1, shown = value / scale, wide = half / scale;
+  const decimals = Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(Math.max(wide, 1e-4 * Math.abs(shown))))));
+  const fixed = (number: number) => { const text = number.toFixed(decimals); return Number(text) === 0 ? (0).toFixed(decimals) : text; };
+  const numbers = `${written(fixed(shown))} ±${tie}${written(Number(fixed(wide)) === 0 ? wide.toExponential(0) : fixed(wide))}`;
   return scale === 1 ? numbers : `(${numbers})e${exponent}`;
 }
 

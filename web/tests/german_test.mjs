@@ -18,6 +18,8 @@ before(async () => {
   run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
   run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
   run(["simulate", "pump", "--out", "pump.csv"], place.path);
+  run(["simulate", "valve", "--out", "new.csv"], place.path);
+  run(["simulate", "valve", "--out", "worn.csv", "--f0", "170", "--frequencies", "20,40,60,80,100", "--seed", "2"], place.path);  // far below the corner: a warning
 });
 after(async () => {
   await endBrowser();
@@ -85,6 +87,16 @@ test("the workbench is German: a leak, effects that cannot be told apart, a mach
     await walk(page, address, [...steps, ...more]);
     if (machine === "pump") assert.match(await page.locator(".headline").innerText(), /^Das Modell beschreibt kurze Läufe dieser Episoden, was keine Entwarnung ist/);
   }
+});
+
+test("the response of a valve is German, alone and beside an earlier one", async (t) => {
+  const { page, address } = await visit(t, ["new.csv", "worn.csv", "--machine", join(machines, "valve_sweep.toml")]);
+  await walk(page, address, [...steps, ["locate", ".plot canvas"], ["add", "h1"]]);
+  assert.match(await page.locator(".verdict-panel").innerText(), /bis zu höheren Frequenzen messen/);
+  await page.selectOption("select[name=hold-out]", "new.csv");
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre td strong");
+  await assertGerman(page, "two valves");
 });
 
 test("what is watched is German: overview, trends with their marks, an alarm with its journal, valve checks", async (t) => {

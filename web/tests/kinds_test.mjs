@@ -150,6 +150,46 @@ test("a test cylinder is judged by its frequency response: what changed from the
   assert.ok(Math.abs(await gain() - 0.497) < 0.03);
 });
 
+test("the log of a sweep of a valve goes from its file alone to gain and phase with their model, and beside an earlier one", async (t) => {
+  run(["simulate", "valve", "--out", "new.csv"], place.path);
+  run(["simulate", "valve", "--out", "worn.csv", "--f0", "120", "--damping", "0.9", "--seed", "2"], place.path);
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await dropped(page, "worn.csv");
+  assert.equal(await chosenKind(page), "valve");
+  await page.click("button.primary:has-text('To the workbench')");
+  await page.waitForSelector("[data-verdict=adequate]");
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas");
+  const frf = JSON.parse(run(["frf", "worn.csv", "-m", join(machines, "valve_sweep.toml"), "--json", "-"], place.path));
+  const shown = async () => (await page.locator(".centre table").first().innerText()).replace(/\s+/g, " ");
+  const figure = ({ value, std }, digits) => `${value.toFixed(digits)} ± ${(1.96 * std).toFixed(digits)}`;
+  assert.ok((await shown()).includes(`natural frequency ${figure(frf.model.f0_hz, 3)} Hz`), await shown());
+  assert.match(await page.locator(".verdict-panel").innerText(), /The gain is 3\sdB lower at [\d.]+ ±\s[\d.]+\sHz/);
+  await assertAccessible(page, "valve");
+  await page.setInputFiles("input.more-logs", join(place.path, "new.csv"));
+  await page.selectOption("select[name=hold-out]", "new.csv");
+  await page.waitForSelector(".centre td strong:has-text('-34')");  // from 183.9 to 120 Hz
+  for (const [step, there] of [["check", ".machine .mark"], ["locate", ".plot canvas"], ["add", "h1"], ["confirm", "tbody tr"], ["promote", ".promote"]]) {
+    await page.goto(`${address}#step=${step}`);
+    await page.waitForSelector(`.centre ${there}`);
+    assert.equal(await page.locator(".problem").count(), 0, step);
+    await assertAccessible(page, `valve, ${step}`);
+  }
+  await page.goto(`${address}#step=compare`);
+  await page.click("text=How it is measured");
+  await page.fill("input[name=frf-to]", "100");
+  await page.press("input[name=frf-to]", "Tab");
+  await page.waitForSelector("text=/6 × outside the range asked for/");
+  await assertAccessible(page, "valve, options");
+
+  const press = await visitIn(place.path, t, ["worn.csv", "--machine", join(machines, "die_cushion.toml")]);  // a press that has a valve
+  await press.page.goto(`${press.address}#step=compare`);
+  await press.page.click(".centre button:has-text('Response of the valve')");
+  await press.page.waitForSelector(".centre .plot canvas");
+  assert.match(await press.page.locator(".centre table").first().innerText(), /120\.\d/);
+});
+
 test("a balance of one's own is written over the columns of a log, checked, and worked on", async (t) => {
   let seed = 5;
   const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647 - 0.5;

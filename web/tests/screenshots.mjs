@@ -12,6 +12,7 @@ const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
 const liveMachine = fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url));
 const cylinderMachine = fileURLToPath(new URL("../../machines/test_cylinder.toml", import.meta.url));
+const valveMachine = fileURLToPath(new URL("../../machines/valve_sweep.toml", import.meta.url));
 const pumpMachine = fileURLToPath(new URL("../../machines/pump.toml", import.meta.url));
 mkdirSync(out, { recursive: true });
 const place = folder();
@@ -19,6 +20,8 @@ run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4",
 run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
 run(["simulate", "pump", "--out", "pump.csv"], place.path);
 run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], place.path);
+run(["simulate", "valve", "--out", "new.csv"], place.path);
+run(["simulate", "valve", "--out", "worn.csv", "--f0", "120", "--damping", "0.9", "--seed", "2"], place.path);
 
 makeHistory(place.path);
 addValveChecks(place.path);
@@ -134,7 +137,7 @@ async function take(name, viewport, colorScheme, locale) {
   }
   await page.click(".unit-menu summary");
   await shoot(page, "units");
-  await page.goto(`${work.address}#step=compare&view=free`);
+  await page.goto(`${work.address}#step=compare&drawn=free`);
   await page.waitForSelector(".plot canvas");
   await shoot(page, "free-run");
   await page.goto(`${work.address}#step=add`);
@@ -192,6 +195,15 @@ async function take(name, viewport, colorScheme, locale) {
     await shoot(page, `loop-${step}`);
   }
   await cylinder.stop();
+  const valve = await open(["new.csv", "worn.csv", "--machine", valveMachine], place.path);
+  for (const [state, step, before] of [["valve-check", "check", ""], ["valve-compare", "compare", ""], ["valve-locate", "locate", ""], ["valve-two", "compare", "new.csv"]]) {
+    await page.goto(`${valve.address}#step=${step}`);
+    if (before) await page.selectOption("select[name=hold-out]", before);
+    await page.waitForSelector(before ? "td strong" : "[data-verdict]");
+    await page.waitForSelector(".centre .plot canvas");
+    await shoot(page, state);
+  }
+  await valve.stop();
   const alone = await open(["pump.csv"], place.path);
   await page.goto(alone.address);
   await page.waitForSelector(".machine [data-mark=shaft_speed]");

@@ -20,8 +20,9 @@ enum class ErrorFinding {
   kMore,        ///< something
   kMayBeNoise,  ///< an error that nothing predicts (Explanation::may_be_noise)
 };
-inline constexpr const char* kNothingPredicts =
-    "the error is more than the noise that rows show, and nothing predicts it";
+inline constexpr Wording kNothingPredicts = {
+    "the error is more than the noise that rows show, and nothing predicts it",
+    "der Fehler ist mehr als das Rauschen, das Zeilen zeigen, und nichts sagt ihn vorher"};
 /// What such an error may be, and how to tell; sentences.
 std::string WhatItMayBe(const CountedWords& counted);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/quality.h"
+#include "core/told_error.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
@@ -94,15 +95,18 @@ class RunBuilder {
 Status CheckValveSignals(const Machine& machine) {
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) < 0) {
-      return BadInput(
+      return BadInput(Tell(
           "machine '{}': frf measures a valve, from its command to its spool, and there is no signal {} for it; "
           "[valve] input and output say which signals of [signals] the two are",
-          machine.name, name);
+          "Maschine '{}': frf misst ein Ventil, von seinem Befehl zu seinem Schieber, und ein Signal {} dafür gibt es nicht; "
+          "[valve] input und output sagen, welche Signale aus [signals] das sind",
+          machine.name, name));
     }
   }
   if (machine.valve.full_scale == 0 || !std::isfinite(machine.valve.full_scale)) {
-    return BadInput("machine '{}': [valve] full_scale is {}, the command at full stroke is needed",
-                    machine.name, machine.valve.full_scale);
+    return BadInput(Tell("machine '{}': [valve] full_scale is {}, the command at full stroke is needed",
+                         "Maschine '{}': [valve] full_scale ist {}, nötig ist der Befehl bei vollem Hub",
+                         machine.name, machine.valve.full_scale));
   }
   return {};
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/constants.h"
+#include "core/interval_text.h"
 #include "diagnosis/states/state_candidate.h"
 #include "estimation/decompositions.h"
 
@@ -98,8 +100,8 @@ std::optional<ParameterDrift> FindParameterDrift(const StateFit& fit, const Stat
 Told ParameterDriftText(const ParameterDrift& drift) {
   Told parts;
   for (const ParameterDrift::Moved& moved : drift.moved) {
-    const Told part = Tell("{} by {:+.2g} ± {:.1g} %", "{} um {:+.2g} ± {:.1g} %", moved.parameter,
-                           100 * moved.change, 100 * moved.std);
+    const Told part = Tell("{} by {} %", "{} um {} %", moved.parameter,
+                           TellNumber(ChangeWithInterval(100 * moved.change, 100 * kNormal95 * moved.std)));
     parts = parts.empty() ? part : Tell("{}, or {}", "{}, oder {}", parts, part);
   }
   return Tell(

@@ -32,7 +32,7 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
   const data = useMemo(() => ({
     x: course.low.map((_, k) => picture.from + (k + 0.5) * course.step),
     values: [course.low, course.high].map((list) => list.map((v) => (v === null ? null : v * unit.factor))),
-    shades: picture.strokes.map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })),
+    shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })),
   }), [picture, course, unit.name]);
   const taken = (event: PointerEvent) => {
     const at = view.current?.yPixel;

@@ -2,10 +2,10 @@ import { useMemo, useState } from "preact/hooks";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
 import { CountedIn, useWords, type Say } from "../words";
-import { amount } from "../units";
 import { Scroll } from "../workbench/parts";
 import { AlarmDetail } from "./alarm_detail";
-import { dateText, isDate } from "./shown";
+import { inChosen, unitName, withUnit } from "../units";
+import { dateText, interval, isDate } from "./shown";
 import type { Alarm, Overview } from "./watch_types";
 import { useWatch } from "./watch_store";
 
@@ -27,7 +27,8 @@ export function sinceText(alarm: Alarm, say: Say): string {
 /** Size in the alarm's own unit; where that has no name people know, the finding tells it. */
 export function sizeText(alarm: Alarm): string {
   if (alarm.value === null || alarm.unit === "") return "–";
-  return amount(alarm.value * alarm.shown.factor, alarm.shown.name);
+  const { factor, name } = inChosen({ ...alarm.shown, offset: 0 });
+  return withUnit(interval(alarm.value * factor, alarm.std === null ? null : alarm.std * Math.abs(factor)), unitName({ name }));
 }
 
 function keyOf(alarm: Alarm, column: Column): string | number {

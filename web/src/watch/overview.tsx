@@ -21,7 +21,7 @@ export function HealthBadge({ health }: { health: Health }) {
     <div class={`health health-${health.letter === "-" ? "good" : health.letter}`}>
       <b aria-hidden="true">{health.letter === "-" ? "✓" : health.letter}</b>
       <span>
-        <strong>{learning ? say("healthLearning", { learned: health.learned, needed: health.needed }) : say(`health_${health.letter}` as keyof Words)}</strong>
+        <strong>{learning ? say("healthLearning", { learned: health.learned, needed: health.needed }) : say((health.letter === "-" && !health.live ? "healthGoodThen" : `health_${health.letter}`) as keyof Words)}</strong>
         {!learning && health.reason !== "judged_good" && <small><Told of={{ text: health.text, german: { text: health.german } }} what="text" /></small>}
       </span>
     </div>

@@ -61,6 +61,7 @@ function Bode({ checks }: { checks: ValveCheck[] }) {
     return { shown, data: { gain: [hertz, ...shown.map((c) => hertz.map((f) => responseOf(c, f).gain))], phase: [hertz, ...shown.map((c) => hertz.map((f) => responseOf(c, f).phase))] } };
   }, [checks]);
   const options = (y: string) => () => ({
+    pxAlign: 0 as const,
     scales: { x: { time: false, distr: 3 as const, range: [data.gain[0][0], data.gain[0][data.gain[0].length - 1]] as [number, number] } },
     axes: [{ ...look(), label: `${say("frequency")} (Hz)`, size: 40, labelSize: 18, values: (_: uPlot, ticks: number[]) => ticks.map((t) => (isRound(t) ? short(t, 2) : "")) },
       { ...look(), label: y, size: 62, labelSize: 20, values: (_: uPlot, ticks: number[]) => ticks.map((t) => short(t, 4)) }],

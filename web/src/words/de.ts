@@ -1,3 +1,4 @@
+import { deValve } from "./de_valve";
 import { deWatch } from "./de_watch";
 import type { Words } from "./en";
 
@@ -89,6 +90,7 @@ export const de: Words = {
   mapFileText: "Maschinendatei zeigen",
   mapGo: "Zur Werkbank",
 
+  logTitle: "Das Log",
   gateTitle: "<Hübe|Episoden>",
   gateText: "Schattiert ist, was das Gate durchlässt: {count} <Hub/Hübe|Episode/Episoden>; {discarded} <war/waren> zu kurz.",
   gateFrom: "von",
@@ -155,6 +157,10 @@ export const de: Words = {
   verdict_weak: "schwach",
   verdict_not: "nein",
   checkHints: "Sehen Sie hier zuerst nach",
+  checkNoHintsAlone: "Jedes Signal bewegt sich. Ob seine Einheit stimmt, müssen die Bereiche unten sagen.",
+  checkRejected: "{rows} <Zeile/Zeilen> nicht lesbar",
+  checkGaps: "{gaps} <Lücke/Lücken>, die längste {longest}",
+  checkStopped: "Gelesen bis Zeile {rows}, dann:",
   checkNoHints: "Einheiten, Vorzeichen und Gate sehen richtig aus.",
 
   compareTitle: "Gemessen gegen modelliert",
@@ -356,5 +362,6 @@ export const de: Words = {
   loopAlone: "Änderung",
   loopSize: "Größe, ± 95 %",
   loopLeft: "χ² bleibt",
+  ...deValve,
   ...deWatch,
 };

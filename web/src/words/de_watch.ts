@@ -18,6 +18,7 @@ export const deWatch: typeof enWatch = {
   health_S: "Außerhalb der Spezifikation",
   health_M: "Wartungsbedarf",
   "health_-": "Gut: beurteilt, kein Alarm steht an",
+  healthGoodThen: "Gut bis <zum letzten Hub|zur letzten Episode>: beurteilt, kein Alarm steht an",
   healthLearning: "Lernt, {learned} von {needed}",
   strokesCount: "{count} <Hub/Hübe|Episode/Episoden>",
   strokeNumber: "<Hub|Episode> {stroke}",
@@ -189,7 +190,7 @@ export const deWatch: typeof enWatch = {
   auditPassword: "Passwort geändert",
   auditRole: "Rolle geändert",
   auditRefused: "abgelehnt",
-  besideFound: "▲: was sich nach allen Werten zusammen verändert hat. Die übrigen sind, was daneben von ihnen bleibt, seit es sich verändert hat.",
+  besideFound: "▲: was sich nach allen Werten zusammen verändert hat. Die übrigen Abweichungen sind, was daneben bleibt, seit es sich verändert hat; die neuesten Werte wissen davon nichts und nehmen es auf.",
 
   view_learn: "Lernen",
   view_service: "Dienst",

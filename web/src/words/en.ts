@@ -1,3 +1,4 @@
+import { enValve } from "./en_valve";
 import { enWatch } from "./en_watch";
 
 export const en = {
@@ -88,6 +89,7 @@ export const en = {
   mapFileText: "Show the machine file",
   mapGo: "To the workbench",
 
+  logTitle: "The log",
   gateTitle: "<Strokes|Episodes>",
   gateText: "Shaded is what the gate lets through: {count} <stroke/strokes|episode/episodes>; {discarded} <was/were> too short.",
   gateFrom: "from",
@@ -155,6 +157,10 @@ export const en = {
   verdict_not: "no",
   checkHints: "Look at this first",
   checkNoHints: "Units, signs and gate look right.",
+  checkNoHintsAlone: "Every signal moves. Whether its unit is right, the ranges below have to say.",
+  checkRejected: "{rows} <row/rows> could not be read",
+  checkGaps: "{gaps} <gap/gaps>, the longest {longest}",
+  checkStopped: "Read up to row {rows}, then:",
 
   compareTitle: "Measured against modelled",
   compareText: "On all <strokes|episodes> the model errs by {error}; sensor noise alone would cause {noise}.",
@@ -355,6 +361,7 @@ export const en = {
   loopAlone: "Change",
   loopSize: "Size, ± 95 %",
   loopLeft: "χ² left",
+  ...enValve,
   ...enWatch,
 };
 export type Words = typeof en;

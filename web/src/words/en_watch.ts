@@ -16,6 +16,7 @@ export const enWatch = {
   health_S: "Out of specification",
   health_M: "Maintenance required",
   "health_-": "Good: judged, no alarm stands",
+  healthGoodThen: "Good up to the last <stroke|episode>: judged, no alarm stands",
   healthLearning: "Learning, {learned} of {needed}",
   strokesCount: "{count} <stroke/strokes|episode/episodes>",
   strokeNumber: "<stroke|episode> {stroke}",
@@ -187,7 +188,7 @@ export const enWatch = {
   auditPassword: "password changed",
   auditRole: "role changed",
   auditRefused: "refused",
-  besideFound: "▲: what changed, by all values together. The others are what is left of them beside it, since it changed.",
+  besideFound: "▲: what changed, by all values together. The others against healthy are what is left of them beside it, since it changed; the newest values know nothing of it and absorb it.",
 
   view_learn: "Learn",
   view_service: "Service",

@@ -11,7 +11,7 @@ import { useWords } from "../words";
 import { OwnEffect } from "./own_effect";
 import { ParameterTable } from "./parameter_table";
 import { TitleOf } from "./parts";
-import { Outputs, usePicture } from "./stroke_overlay";
+import { Outputs, tellingStroke, usePicture } from "./stroke_overlay";
 
 interface Props { id: string; session: Session; effects: Effect[]; explain?: ExplainResult; compare?: CompareResult }
 
@@ -88,17 +88,17 @@ function Effects({ preview }: { preview: Preview }) {
   );
 }
 
-/** The worst stroke as the model has it, and as it would with the effect. */
+/** A stroke as the model has it, and as it would with the effect. */
 function OverAStroke({ id, title, session, compare }: { id: string; title: string; session: Session; compare: CompareResult }) {
   const say = useWords(), tell = useTold();
   const machine = session.machine!;
-  const worst = useMemo(() => [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke, [compare]);
-  const picture = usePicture(worst, machine.version, compare, id);
+  const stroke = useMemo(() => tellingStroke(compare), [compare]);
+  const picture = usePicture(stroke, machine.version, compare, id);
   const withIt = useMemo(() => (picture?.with_effect ? { ...picture, modelled: picture.with_effect } : null), [picture]);
   if (!picture || !withIt) return null;
   return (
     <section class="over-a-stroke" data-over={id}>
-      <h3>{say("addOverStroke", { stroke: worst })}</h3>
+      <h3>{say("addOverStroke", { stroke: picture.stroke })}</h3>
       <Outputs picture={withIt} before={picture} parent={machine.version} region={[]} output={tell(machine, "output").text} modelled={`+ ${title}`} choose={() => {}} />
     </section>
   );

@@ -15,6 +15,28 @@ function Reason({ of }: { of: CheckResult["parameters"][string] }) {
   return <>{said.why && <Told of={said} what="why" />}{said.why && said.advice && ": "}{said.advice && <Told of={said} what="advice" />}</>;
 }
 
+/** What is wrong with the log and what makes conclusions from it doubtful, as the command tells it. */
+function Standing({ check }: { check: CheckResult }) {
+  const say = useWords();
+  const { sampling, stopped } = check, read = [
+    check.rejected_rows > 0 && say("checkRejected", { rows: check.rejected_rows }),
+    sampling.gaps > 0 && say("checkGaps", { gaps: sampling.gaps, longest: duration(sampling.longest_gap_s) }),
+  ].filter((text) => text !== false);
+  const told = check.warnings.length > 0 || read.length > 0 || stopped || sampling.time_base;
+  if (!told && check.hints.length === 0) return <div class="verdict good">{say(check.strokes === null || check.gate.conditions.length === 0 ? "checkNoHintsAlone" : "checkNoHints")}</div>;
+  return (
+    <div class="verdict bad">
+      {check.hints.length > 0 && <><strong>{say("checkHints")}</strong><ul><ToldList of={check.hints} german={check.german?.hints} /></ul></>}
+      {told && <><strong>{say("warnings")}</strong><ul>
+        {stopped && <li>{say("checkStopped", { rows: check.rows })} <span lang="en">{stopped}</span></li>}
+        {read.map((text) => <li key={text}>{text}</li>)}
+        {sampling.time_base && <li><Told of={{ text: sampling.time_base, german: { text: check.german?.time_base } }} what="text" /></li>}
+        <ToldList of={check.warnings} german={check.german?.warnings} />
+      </ul></>}
+    </div>
+  );
+}
+
 /** Whether the log can be believed, and what can be learned from it. */
 export function Check({ check, picture, session }: { check?: CheckResult; picture?: LogPicture; session: Session }) {
   const say = useWords(), { nameOf, meaningOf, valueOf } = useParameters();
@@ -24,11 +46,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
     <>
       <h1>{say("checkTitle")}</h1>
       <p>{say(check.strokes === null ? "checkRowsAlone" : "checkRows", { rows: check.rows, duration: duration(check.duration_s), rate: short(check.sampling.rate_hz), strokes: check.strokes ?? "" })}</p>
-      <div class={check.hints.length > 0 ? "verdict bad" : "verdict good"}>
-        {check.hints.length > 0
-          ? <><strong>{say("checkHints")}</strong><ul><ToldList of={check.hints} german={check.german?.hints} /></ul></>
-          : say("checkNoHints")}
-      </div>
+      <Standing check={check} />
       <MachinePicture picture={session.machine!.picture} readings={check.signals.map((s) => ({ signal: s.signal, column: s.present ? s.column : null, state: s.present ? "sure" : "free" }))} />
       {picture && <LogView picture={picture} />}
       <Scroll label={say("checkSignal")}>
@@ -51,7 +69,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
           </tbody>
         </table>
       </Scroll>
-      <Scroll label={say("checkParameter")}>
+      {Object.keys(check.parameters).length > 0 && <Scroll label={say("checkParameter")}>
         <table class="cards" role="table">
           <thead><tr role="row"><th role="columnheader">{say("checkParameter")}</th><th role="columnheader">{say("checkValue")}</th><th role="columnheader">{say("checkCan")}</th><th role="columnheader">{say("mapDecided")}</th></tr></thead>
           <tbody>
@@ -61,7 +79,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
             ))}
           </tbody>
         </table>
-      </Scroll>
+      </Scroll>}
       <AsPrinted text={check.text} />
     </>
   );

@@ -28,7 +28,7 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
   const parent = session.versions.find((version) => version.current)?.parent ?? 0;
   const picture = usePicture(stroke?.stroke, machine.version, compare), before = usePicture(parent ? stroke?.stroke : undefined, parent, compare);
   if (!compare) return <p class="empty">{say("loading")}</p>;
-  const free = query.view === "free" && !machine.states;
+  const free = query.drawn === "free" && !machine.states;
   const log = session.logs.length > 1 ? compare.per_stroke.find((s) => s.stroke === stroke?.stroke)?.log : undefined;
   const go = (to: number) => setUrl({ stroke: String(worst[Math.min(worst.length - 1, Math.max(0, to))].stroke) });
   return (
@@ -47,8 +47,9 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
           <button onClick={() => go(place + 1)} disabled={place === worst.length - 1} aria-label={say("next")}>›</button>
         </div>
         {!machine.states && <div class="tabs" role="group" aria-label={say("compareTitle")}>
-          <button aria-pressed={!free} onClick={() => setUrl({ view: "" })}>{say("overlay")}</button>
-          <button aria-pressed={free} onClick={() => setUrl({ view: "free" })}>{say("freeRun")}</button>
+          <button aria-pressed={!free} onClick={() => setUrl({ drawn: "" })}>{say("overlay")}</button>
+          <button aria-pressed={free} onClick={() => setUrl({ drawn: "free" })}>{say("freeRun")}</button>
+          {machine.valve && <button onClick={() => setUrl({ drawn: "valve" })}>{say("valveTab")}</button>}
         </div>}
         {picture === undefined ? <p class="empty">{say("loading")}</p>
           : picture === null ? <p class="empty">{say("noStrokes")}</p>

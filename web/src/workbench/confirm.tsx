@@ -8,7 +8,7 @@ import { useTold } from "../told";
 import { useWords } from "../words";
 import { ParameterTable } from "./parameter_table";
 import { useModelName } from "./parts";
-import { Outputs, usePicture } from "./stroke_overlay";
+import { Outputs, tellingStroke, usePicture } from "./stroke_overlay";
 
 interface Props { compare?: CompareResult; session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
 
@@ -48,8 +48,7 @@ export function Confirm({ compare, session, query, setUrl }: Props) {
 function StrokePair({ compare, left, right, session, query, setUrl }: Props & { compare: CompareResult; left: Version; right: Version }) {
   const say = useWords(), tell = useTold();
   const strokes = compare.per_stroke.map((stroke) => stroke.stroke);
-  const worst = [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke;
-  const stroke = strokes.find((number) => String(number) === query.stroke) ?? worst;
+  const stroke = strokes.find((number) => String(number) === query.stroke) ?? tellingStroke(compare);
   const one = usePicture(stroke, right.version, compare), other = usePicture(stroke, left.version, compare);
   if (stroke === undefined) return null;
   return (
@@ -90,7 +89,7 @@ export function Save({ session }: { session: Session }) {
       {!session.file && !session.login && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
       {!session.login && <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>}
       <button class="quiet" onClick={() => void download()}>{say("download")}</button>
-      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br />{say("saveNext")} <code class="command">hydroscope {session.machine!.closed_loop ? "explain" : "fit"} LOG --machine {told}</code></p>}
+      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br />{say("saveNext")} <code class="command">hydroscope {session.machine!.closed_loop ? "explain" : session.machine!.valve_alone ? "frf" : "fit"} LOG --machine {told}</code></p>}
       <Problem of={problem} />
     </section>
   );

@@ -14,7 +14,7 @@ export function Logs({ session }: { session: Session }) {
     await act();
     await refresh();
   });
-  const loop = session.machine?.closed_loop ?? false;
+  const loop = (session.machine?.closed_loop || session.machine?.valve_alone) ?? false;
   const held = session.logs.find((log) => log.held_out)?.name ?? "";
   return (
     <section class="logs">
@@ -26,7 +26,7 @@ export function Logs({ session }: { session: Session }) {
       {session.logs.length > 1 && (
         <label>{say(loop ? "loopBefore" : "logHoldOut")}{" "}
           <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; change(() => post("hold_out", { log })); }}>
-            <option value="">{say(loop ? "loopReferences" : "mapNone")}</option>
+            <option value="">{say(session.machine?.closed_loop ? "loopReferences" : "mapNone")}</option>
             {session.logs.map((log) => <option key={log.name} value={log.name}>{log.name.split("/").pop()}</option>)}
           </select>
         </label>

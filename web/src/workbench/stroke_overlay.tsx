@@ -1,10 +1,16 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
-import type { StrokePicture } from "../types";
+import type { CompareResult, StrokeError, StrokePicture } from "../types";
 import { nameOf, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 import { insideOf, stretchesIn, type Range } from "./region";
+
+/** The stroke that tells most of a model: the one with the largest energy of its error, so no short one by its noise. */
+export function tellingStroke(compare: CompareResult): number | undefined {
+  const energy = (stroke: StrokeError) => (stroke.windows ?? stroke.rows ?? 1) * stroke.rms_residual ** 2;
+  return [...compare.per_stroke].sort((a, b) => energy(b) - energy(a))[0]?.stroke;
+}
 
 /** The picture of a stroke: undefined while it comes, null if there is none. */
 export function usePicture(stroke: number | undefined, version: number, compared: unknown, effect = ""): StrokePicture | null | undefined {

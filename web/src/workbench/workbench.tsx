@@ -14,6 +14,7 @@ import { Promote } from "./promote";
 import { Ranking } from "./ranking";
 import { useRegionErrors } from "./region";
 import { Staircase } from "./staircase";
+import { ValveLocate, ValveParameters, ValveResponse, ValveVerdict, useValve, type Measured } from "./valve_response";
 import { Verdict } from "./verdict";
 
 export const steps = ["check", "compare", "locate", "add", "confirm", "promote"] as const;
@@ -47,6 +48,20 @@ function LoopStep({ step, session }: { step: Step; session: Session }) {
   );
 }
 
+/** The same of a valve alone. */
+function ValveStep({ step, session, measured, query, setUrl }: { step: Step; session: Session; measured: Measured; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }) {
+  const say = useWords();
+  if (step === "compare") return <ValveResponse measured={measured} query={query} setUrl={setUrl} />;
+  if (step === "locate") return <ValveLocate measured={measured} />;
+  return (
+    <>
+      <h1>{say(step === "add" ? "addTitle" : "confirmTitle")}</h1>
+      <p>{say(step === "add" ? "valveAdd" : "valveConfirm")}</p>
+      {step === "confirm" && <>{measured.result && <ValveParameters result={measured.result} />}<Save session={session} /></>}
+    </>
+  );
+}
+
 /** One screen: versions on the left, the step in the middle, the verdict on the right. */
 export function Workbench({ session }: { session: Session }) {
   const say = useWords();
@@ -55,15 +70,22 @@ export function Workbench({ session }: { session: Session }) {
   const step = steps.find((name) => name === query.step) ?? "compare", loop = session.machine!.closed_loop;
   const choose = (effect: string) => setUrl({ effect, step: "add" });
   const kind = step === "check" ? "check" : step === "add" && !session.machine!.closed_loop ? "explain" : "compare";
-  const problem = failed[kind];
+  const alone = session.machine!.valve_alone, onValve = alone || (session.machine!.valve && step === "compare" && query.drawn === "valve");
+  const problem = alone && step !== "check" ? undefined : failed[kind];
+  const measured = useValve(onValve, session, query);
   const errors = useRegionErrors(query.region, session.machine!.version, `${results.compare !== undefined} ${results.explain !== undefined}`);
   return (
     <div class="workbench">
       <Stepper step={step} go={(name) => setUrl({ step: name })} />
-      <aside class="left">{!loop && <Staircase session={session} />}<Logs session={session} /></aside>
+      <aside class="left">{!loop && !alone && <Staircase session={session} />}<Logs session={session} /></aside>
       <section class="centre" aria-live="polite">
-        {problem ? <Problem of={problem} before={say("failed")} />
+        {onValve && !alone ? <>
+            <button class="quiet" onClick={() => setUrl({ drawn: "" })}>‹ {say("valveBack")}</button>
+            <ValveResponse measured={measured} query={query} setUrl={setUrl} />
+          </>
+          : problem ? <><Problem of={problem} before={say("failed")} />{session.machine!.valve && step === "compare" && <p>{say("valveInstead")} <button onClick={() => setUrl({ drawn: "valve" })}>{say("valveTab")}</button></p>}</>
           : step === "check" ? <Check check={results.check} picture={results.picture} session={session} />
+          : alone && step !== "promote" ? <ValveStep {...{ step, session, measured, query, setUrl }} />
           : loop && step !== "promote" ? <LoopStep step={step} session={session} />
           : step === "compare" ? <Compare compare={results.compare} errors={errors} session={session} query={query} setUrl={setUrl} />
           : step === "locate" ? <Locate compare={results.compare} errors={errors} query={query} setUrl={setUrl} />
@@ -72,9 +94,10 @@ export function Workbench({ session }: { session: Session }) {
           : <Promote session={session} />}
       </section>
       <aside class="right">
-        {loop ? <LoopVerdict changes={ofLoop(results).changes} problem={failed.explain} session={session} />
+        {onValve ? <ValveVerdict measured={measured} />
+          : loop ? <LoopVerdict changes={ofLoop(results).changes} problem={failed.explain} session={session} />
           : <Verdict explain={results.explain} effects={effects} session={session} problem={failed.explain} choose={choose} />}
-        {!loop && results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
+        {!loop && !onValve && results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
       </aside>
     </div>
   );
