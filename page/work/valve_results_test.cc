@@ -56,8 +56,10 @@ TEST_F(ValveResults, AreThoseOfFrfWithTheModelBesideEachPoint) {
     EXPECT_EQ(point, frf["points"][k]);
   }
   EXPECT_EQ(json["points"].size(), frf["points"].size());
-  for (const auto& [key, value] : frf.items())
-    if (key != "points" && key != "left_out") EXPECT_EQ(json.at(key).dump(), value.dump()) << key;
+  for (const auto& [key, value] : frf.items()) {
+    if (key == "points" || key == "left_out") continue;
+    EXPECT_EQ(json.at(key).dump(), value.dump()) << key;
+  }
   EXPECT_THAT(json["text"], HasSubstr("Frequency response U_v -> y_v, sweep.csv"));
   EXPECT_TRUE(json["before"].is_null());
 }
