@@ -435,7 +435,8 @@ class EffectSearch {
     }
     const double slow = out_.dynamics ? 0 : out_.SlowShare();
     if (slow > 0) out_.warnings.push_back(MoreIsSlow(slow));
-    if (slow > 1 || (out_.dynamics && out_.OfExplained(*out_.dynamics) > options_.dynamics_share)) {
+    if (slow > options_.slow_share ||
+        (out_.dynamics && out_.OfExplained(*out_.dynamics) > options_.dynamics_share)) {
       out_.LeaveUnknown(out_.final.added);
       return;
     }

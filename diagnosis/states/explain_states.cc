@@ -1,6 +1,7 @@
 #include "diagnosis/states/explain_states.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -102,6 +103,31 @@ class NoisyRuns {
   std::vector<Episode> runs_, some_;
 };
 
+/// What is named in short runs, fitted to whole episodes from there: where functions predict as much of what it leaves as lets no
+/// noise cover it (ExplainStatesOptions::covered_share), it stands in for another law, whose place 50 rows did not show.
+bool WholeEpisodesRefute(const StatesExplanation& named, std::span<const Episode> episodes,
+                         const Eigen::VectorXd& noise, const ExplainStatesOptions& options) {
+  const StateStart start{named.final.fit.parameters, {}};
+  const StateFit whole =
+      RefitStates(named.final.fit.model, episodes, std::span(&start, 1), noise, options.fit);
+  if (!whole.solved()) return false;
+  const StateRemainder left = RemainderOf(whole, episodes, options.remainder);
+  return left.structured && left.least_share >= options.covered_share;
+}
+
+/// Nothing is named in short runs that whole episodes refute.
+StatesExplanation UnlessRefuted(StatesExplanation named, const StateFit& whole,
+                                std::span<const Episode> episodes, const ExplainStatesOptions& options) {
+  if (named.set.empty() || !WholeEpisodesRefute(named, episodes, whole.noise, options)) return named;
+  named.LeaveUnknown(named.final.added);
+  named.warnings.push_back(Tell(
+      "over whole episodes functions of states and inputs predict most of what {} leaves: the law that is missing is another",
+      "über ganze Episoden sagen Funktionen von Zuständen und Eingängen das meiste dessen voraus, was {} übrig lässt: das "
+      "Gesetz, das fehlt, ist ein anderes",
+      fmt::format("{}", fmt::join(named.nearest, ", "))));
+  return named;
+}
+
 constexpr Wording kCoveredText = {
     "noise acts on the process itself, a disturbance is not measured, a sensor lags, or a slow law is missing, which adds up "
     "over an episode",
@@ -176,7 +202,7 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
         return short_runs;
     } else if (runs.Covered(out.base.fit, out.base_left) ||
                (!out.final.added.empty() && runs.Covered(out.final.fit, out.final_left))) {
-      return runs.Explain(kCoveredText);
+      return UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options);
     }
   }
   if (pieces.empty()) return out;

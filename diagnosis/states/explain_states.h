@@ -63,6 +63,9 @@ struct ExplainStatesOptions {
   double leans_share = 0.04;
   /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
   double dynamics_share = 0.25;
+  /// Energy of an error that lasts, of that which a set explains (SlowShare): of more, the set may only stand in for a part. Half was
+  /// too much where a tank was named to overflow that spilt into the next one, with 0.76 left.
+  double slow_share = 0.5;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   /// Share of a set's terms that the nearest of another set may differ by to be fitted from there.
   double near_law = 0.5;
@@ -111,8 +114,8 @@ struct StatesExplanation {
   double Unexplained(const StateCandidate& by, const StateRemainder& left) const;
   /// A share of what the final set leaves, of what it explains.
   double OfExplained(double share) const;
-  /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors;
-  /// of more than 1 the set may only stand in for a part. 0: nothing does.
+  /// Of what the final set explains, what it leaves that lasts over many rows and that no function predicts: no noise of sensors.
+  /// 0: nothing does.
   double SlowShare() const;
 
   /// Nothing is named; `helped`: the effects that explain a part.
