@@ -23,7 +23,9 @@ std::optional<std::size_t> ColumnCalled(const LogColumns& head, const MachineInp
                                         const std::vector<bool>& taken) {
   for (const std::string& name : NamesOf(signal))
     for (std::size_t i = 0; i < head.columns.size(); ++i)
-      if (!taken[i] && head.columns[i].numeric() && BareName(head.columns[i].name) == name) return i;
+      if (!taken[i] && head.columns[i].numeric() && BareName(head.columns[i].name) == name &&
+          MayBe(signal, head.columns[i]))
+        return i;
   return std::nullopt;
 }
 

@@ -60,6 +60,16 @@ TEST(KindColumns, APumpIsRecognisedByTheNamesOfItsColumns) {
   EXPECT_THAT(proposal.text, HasSubstr("# <-- FILL IN the value: D_max"));
 }
 
+TEST(KindColumns, AUnitOfTheHeaderIsBelieved) {
+  const std::string header = "t [s],n [1/min],Q [l/min],p_s [V],p [kW],x_p [mm]";
+  const MachineProposal proposal = ProposeMachine(LogOf(header, PumpRow), {});
+  EXPECT_EQ(ColumnOfSignal(proposal, "shaft_speed"), "n [1/min] rpm") << "a shaft makes revolutions";
+  EXPECT_EQ(ColumnOfSignal(proposal, "outlet_pressure"), "p_s [V] Pa");
+  EXPECT_THAT(proposal.text, HasSubstr("V in the header: write scale and unit of the sensor  <-- check"));
+  const auto power = LogOf("t [s],n [rpm],Q [l/min],P [kW],p_c [bar],x_p [mm]", PumpRow);
+  EXPECT_EQ(KindByColumnNames(power), nullptr) << "a power is no pressure";
+}
+
 TEST(KindColumns, AnArmIsNoDieCushionThoughItHasPressuresAndSpools) {
   const auto log = LogOf("t,q_1,q_2,p_11,p_12,p_21,p_22,y_1,y_2,p_s", [](double t) {
     return fmt::format("{:.5f},{:.5f},{:.0f},{:.0f},{:.0f},{:.0f},{:.4f},{:.4f},{:.0f}", Wave(t, 0.3, 0.4),

@@ -37,7 +37,6 @@ std::string_view SiOf(Role role) {
 
 /// The unit of the header as the machine file writes it: "Bar", "C", "°C", "grad" are usual spellings.
 std::string KnownSpelling(const std::string& unit) {
-  if (FindUnit(unit)) return unit;
   std::string lower = unit;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
@@ -48,6 +47,7 @@ std::string KnownSpelling(const std::string& unit) {
       {"°", "deg"},        {"grad", "deg"},   {"lpm", "l/min"}};
   for (const auto& [spelling, name] : kSpellings)
     if (lower == spelling) return std::string(name);
+  if (FindUnit(unit)) return unit;
   for (const std::string& name : UnitNames()) {
     std::string candidate = name;
     for (char& c : candidate) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -220,11 +220,29 @@ UnitGuess AsWritten(const std::string& unit, bool in_name) {
                   : Told("unit in the header", "Einheit in der Kopfzeile")};
 }
 
+namespace {
+
+/// Of a sensor that is not scaled yet.
+bool IsRaw(std::string_view si) { return si == "1" || si == "V" || si == "A"; }
+
+/// The header's unit as a signal in `si` has it: a speed of rotation in 1/min counts revolutions.
+std::string WrittenUnitOf(const LogColumn& column, std::string_view si) {
+  const std::string written = WrittenUnit(column);
+  return si == "rad/s" && written == "1/min" ? "rpm" : written;
+}
+
+}  // namespace
+
 bool MayBe(Role role, const LogColumn& column) {
   const auto unit = FindUnit(WrittenUnit(column));
   if (!unit || unit->si == SiOf(role)) return true;
   const bool travels = role == Role::kSpool;  // of a valve, in mm as well
-  return unit->si == "1" || unit->si == "V" || unit->si == "A" || (travels && unit->si == "m");
+  return IsRaw(unit->si) || (travels && unit->si == "m");
+}
+
+bool MayBe(const MachineInput& signal, const LogColumn& column) {
+  const auto unit = FindUnit(WrittenUnitOf(column, signal.si));
+  return !unit || unit->si == signal.si || IsRaw(unit->si);
 }
 
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
@@ -263,8 +281,14 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
 }
 
 UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
-  const std::string written = WrittenUnit(column);
-  if (!written.empty() && FindUnit(written)->si == signal.si) return AsWritten(written, column.unit.empty());
+  const std::string written = WrittenUnitOf(column, signal.si);
+  if (const auto unit = FindUnit(written); unit && (unit->si == signal.si || unit->si != "1")) {
+    if (unit->si == signal.si) return AsWritten(written, column.unit.empty());
+    return {std::string(signal.si), 1, 0,
+            Tell("{} in the header: write scale and unit of the sensor",
+                 "{} in der Kopfzeile: Skalierung und Einheit des Sensors eintragen", written),
+            false};
+  }
   const auto usual = std::find_if(std::begin(kUsualUnits), std::end(kUsualUnits),
                                   [&](const UsualUnits& known) { return known.si == signal.si; });
   const Told seen = Size(column);

@@ -33,12 +33,14 @@ UnitGuess AsWritten(const std::string& unit, bool in_name);
 /// Whether what the column states as its unit can be that of a sensor in this role: of the role's own quantity, of a sensor's
 /// signal (V, mA, %), or nothing. Revolutions per minute are no position, kW no pressure.
 bool MayBe(Role role, const LogColumn& column);
+/// The same of a signal of a kind of machine.
+bool MayBe(const MachineInput& signal, const LogColumn& column);
 
 /// Unit of a column in its role, from the header or by the size of its numbers.
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);
 
-/// Unit of a column that is a signal of a kind of machine: from the header or name; else the one of the usual units in which
-/// its size is plausible for that signal. Sure where only one is.
+/// Unit of a column that is a signal of a kind of machine: from the header or name (1/min of a shaft counts revolutions); else
+/// the one of the usual units in which its size is plausible for that signal. Sure where only one is.
 UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column);
 
 /// Sizes of the columns that have these roles.

@@ -126,7 +126,7 @@ TEST(Expression, ItsUnitFollowsFromTheSignals) {
   EXPECT_EQ(unit("p*sign(ddt(x))"), "Pa");
   EXPECT_EQ(unit("F/p"), "m2");
   EXPECT_EQ(unit("sqrt(p)"), "sqrt(Pa)");
-  EXPECT_EQ(unit("ddt(p*x)"), "kg/s3");
+  EXPECT_EQ(unit("ddt(p*x)"), "Pa m/s");
   EXPECT_EQ(unit("0.5*p"), "?");
 }
 
@@ -137,6 +137,8 @@ TEST(Expression, SiUnitsAreReadAndWritten) {
   EXPECT_EQ(SiUnitName(*ParseSiUnit("J")), "N m");
   EXPECT_EQ(SiUnitName(*ParseSiUnit("kg m2/s")), "N m s");
   EXPECT_EQ(SiUnitName(*ParseSiUnit("kg m5/A")), "kg m5/A");
+  for (const char* short_name : {"V2", "1/(V2 s)", "1/W", "s/V", "1/(N m)", "N2", "Pa2 s"})
+    EXPECT_EQ(SiUnitName(*ParseSiUnit(short_name)), short_name);
   for (const char* wrong : {"bar", "mm", "m3/(s Pa", "m//s", "", "N)", "m-", "furlong"})
     EXPECT_FALSE(ParseSiUnit(wrong)) << wrong;
 }

@@ -101,6 +101,43 @@ class UnitParser {
   std::size_t at_ = 0;
 };
 
+using Factors = std::vector<std::pair<std::string_view, double>>;  ///< symbol, power
+
+double Size(const Factors& factors) {
+  double sum = 0;
+  for (const auto& [symbol, power] : factors) sum += std::abs(power);
+  return sum;
+}
+
+/// "1/(V2 s)" and not "s5 A2/(kg2 m4)": base units, beside the power of one other unit that leaves least of them.
+Factors FewestFactors(const Dimension& dimension) {
+  Factors best;
+  for (const std::string_view symbol : {"", "V", "Pa", "N", "W"})
+    for (const double power : {1, -1, 2, -2, 3, -3}) {
+      const Dimension rest =
+          symbol.empty() ? dimension : dimension / ParseSiUnit(symbol).value_or(Dimension{}).Power(power);
+      Factors factors;
+      if (!symbol.empty()) factors.emplace_back(symbol, power);
+      for (std::size_t i = 0; i < kBaseNames.size(); ++i)
+        if (std::abs(rest.power[i]) > 1e-9) factors.emplace_back(kBaseNames[i], rest.power[i]);
+      if (best.empty() || Size(factors) < Size(best) - 1e-9) best = std::move(factors);
+    }
+  return best;
+}
+
+std::string ProductName(const Factors& factors) {
+  std::string above, below;
+  int factors_below = 0;
+  for (const auto& [symbol, power] : factors) {
+    std::string& side = power > 0 ? above : below;
+    if (power < 0) ++factors_below;
+    side += fmt::format("{}{}{}", side.empty() ? "" : " ", symbol,
+                        std::abs(std::abs(power) - 1) < 1e-9 ? "" : fmt::format("{:.3g}", std::abs(power)));
+  }
+  if (below.empty()) return above;
+  return fmt::format("{}/{}", above.empty() ? "1" : above, factors_below > 1 ? "(" + below + ")" : below);
+}
+
 Told Shown(const ExpressionUnit& unit) {
   return unit.dimension.pure() ? Told("a pure number", "eine reine Zahl") : Told(SiUnitName(unit.dimension));
 }
@@ -167,18 +204,7 @@ std::string SiUnitName(const Dimension& dimension) {
       "V/A",      "A/V",      "V s",        "V s/m",     "Pa/A"};
   for (const std::string_view name : familiar)
     if (*ParseSiUnit(name) == dimension) return std::string(name);
-  std::string above, below;
-  int factors_below = 0;
-  for (std::size_t i = 0; i < kBaseNames.size(); ++i) {
-    const double p = dimension.power[i];
-    if (std::abs(p) < 1e-9) continue;
-    std::string& side = p > 0 ? above : below;
-    if (p < 0) ++factors_below;
-    side += fmt::format("{}{}{}", side.empty() ? "" : " ", kBaseNames[i],
-                        std::abs(std::abs(p) - 1) < 1e-9 ? "" : fmt::format("{:.3g}", std::abs(p)));
-  }
-  if (below.empty()) return above;
-  return fmt::format("{}/{}", above.empty() ? "1" : above, factors_below > 1 ? "(" + below + ")" : below);
+  return ProductName(FewestFactors(dimension));
 }
 
 ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUnits& names) {

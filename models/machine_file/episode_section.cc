@@ -27,9 +27,10 @@ void ReadEpisodeSection(TableReader& file, Machine& machine) {
   if (!KindOf(machine).has_states)
     section.Wrong("shaft", "no such key without [states]");
   else if (shaft < 0 || SiOf(machine.signals[static_cast<std::size_t>(shaft)].unit) != "rad/s")
-    section.Wrong("shaft",
-                  fmt::format("a signal of [signals] in rpm or rad/s, the speed of a shaft; {}signals: {}",
-                              DidYouMean(machine.states.shaft, names).english, Listed(names)));
+    section.Wrong(
+        "shaft",
+        fmt::format("a signal of [signals] in rpm or rad/s, the speed of a shaft; {}signals: {}",
+                    shaft < 0 ? DidYouMean(machine.states.shaft, names).english : "", Listed(names)));
 }
 
 }  // namespace hydroscope

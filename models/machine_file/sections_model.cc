@@ -44,8 +44,9 @@ void CheckModelSignals(TableReader& file, const Machine& machine, const MachineK
       const std::string si = SiOf(machine.signals[index].unit);
       if (si != input.si)
         section.Wrong(input.name,
-                      fmt::format("a signal in {} or a unit of the same quantity ({}), found unit \"{}\"",
-                                  input.si, input.meaning, machine.signals[index].unit));
+                      fmt::format("a signal in {} or a unit of the same quantity ({}), found unit \"{}\"{}",
+                                  input.si, input.meaning, machine.signals[index].unit,
+                                  input.si == "rad/s" && si == "1/s" ? "; did you mean \"rpm\"?" : ""));
       continue;
     }
     for (const SignalSpec& signal : machine.signals)
