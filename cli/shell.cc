@@ -11,9 +11,11 @@ std::vector<const CLI::App*> CommandsUnder(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
-/// "--json", "-m": every name of every option.
+/// "--json", "-m": every name of every option, with those of a command above that may stand behind this one too.
 std::vector<std::string> OptionNames(const CLI::App& app) {
   std::vector<std::string> names;
+  if (const CLI::App* above = app.get_parent(); above != nullptr && app.get_fallthrough())
+    names = OptionNames(*above);
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     for (const std::string& name : option->get_snames()) names.push_back("-" + name);
@@ -96,7 +98,11 @@ constexpr const char* kZshEnd = R"sh(  esac
   compadd -- ${=list}
   _files
 }
-compdef _hydroscope hydroscope
+if [[ ${funcstack[1]} == _hydroscope ]]; then  # called as a file of $fpath
+  _hydroscope "$@"
+else
+  compdef _hydroscope hydroscope
+fi
 )sh";
 
 std::string ZshCompletion(const CLI::App& app) {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/cannot_write.h"
 #include "core/json_text.h"
@@ -32,7 +33,10 @@ ProgressListener& Listener() {
 }  // namespace
 
 int ReportError(const Error& error) {
-  std::cerr << "hydroscope: " << PrintableLines(error.text) << "\n";
+  // Lines that begin with a blank quote a file, with a mark below a character of it.
+  std::istringstream lines("hydroscope: " + PrintableLines(error.text));
+  for (std::string line; std::getline(lines, line);)
+    std::cerr << (line.starts_with(' ') ? line : WrappedText(line, LineWidth())) << "\n";
   switch (error.kind) {
     case ErrorKind::kUsage:
       return kWrongUse;

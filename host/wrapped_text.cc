@@ -30,6 +30,19 @@ bool IsCommand(std::string_view line) {
   return line.starts_with("hydroscope ");
 }
 
+constexpr char kKeptBlank = '\x1f';  ///< no text for people holds it
+
+/// Blanks between backquotes become kKeptBlank.
+std::string WithQuotesWhole(std::string_view line) {
+  std::string kept(line);
+  bool quoted = false;
+  for (char& c : kept) {
+    if (c == '`') quoted = !quoted;
+    if (c == ' ' && quoted) c = kKeptBlank;
+  }
+  return quoted ? std::string(line) : kept;  // a single one is an accent
+}
+
 void AppendWrapped(std::string_view line, std::size_t width, std::string& out) {
   const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
   std::size_t indent = 0;  // of what is being broken
@@ -57,10 +70,11 @@ std::string WrappedText(std::string_view text, std::size_t width) {
     if (IsCommand(line))
       out.append(line) += '\n';
     else
-      AppendWrapped(line, width, out);
+      AppendWrapped(WithQuotesWhole(line), width, out);
     if (end == text.size()) out.pop_back();
     text.remove_prefix(std::min(end + 1, text.size()));
   }
+  std::replace(out.begin(), out.end(), kKeptBlank, ' ');
   return out;
 }
 

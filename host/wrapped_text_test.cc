@@ -23,6 +23,9 @@ TEST(WrappedText, CountsCharactersNotBytes) {
 TEST(WrappedText, KeepsLongWordsAndCommandsWhole) {
   EXPECT_EQ(WrappedText("/a/very/long/path\n", 8), "/a/very/long/path\n");
   EXPECT_EQ(WrappedText("next: hydroscope fit log.csv\n", 8), "next: hydroscope fit log.csv\n");
+  EXPECT_EQ(WrappedText("none; call `hydroscope fit log.csv` now\n", 12),
+            "none; call\n    `hydroscope fit log.csv`\n    now\n");
+  EXPECT_EQ(WrappedText("a ` stands alone", 8), "a `\n    stands\n    alone");
   EXPECT_EQ(WrappedText("next:    hydroscope fit log.csv\n", 8), "next:    hydroscope fit log.csv\n");
 }
 

@@ -121,11 +121,21 @@ TEST_F(PrintedTables, WhatReadsADatabaseTakesTheNameOfAMachineByOneOption) {
       << "40 s are no commissioning";
 }
 
+TEST_F(PrintedTables, ErrorsFitALineAndKeepCommandsAndMarksWhole) {
+  const Ran none = Run({"trends", "--db", File("no.db")});
+  EXPECT_LE(LongestLine(none.err), kLineWidth);
+  EXPECT_THAT(none.err, HasSubstr("`hydroscope replay LOG --machine M.toml --db " + File("no.db") + "`"));
+  EXPECT_LE(LongestLine(Run({"status", "--db", File("no.db")}).err), kLineWidth);
+}
+
 TEST_F(PrintedTables, AnUnknownStudyOrVerbNamesTheNearestOne) {
   EXPECT_THAT(Run({"benchmark", "covrage"}).err,
               HasSubstr("unknown benchmark command 'covrage'; did you mean 'coverage'?"));
   EXPECT_THAT(Run({"alarms", "--db", "list.db", "lst"}).err,
               HasSubstr("unknown alarms command 'lst'; did you mean 'list'?"));
+  EXPECT_THAT(Run({"fti", "x.csv"}).err, HasSubstr("unknown command 'fti'; did you mean 'fit'?"));
+  EXPECT_THAT(Run({"simulate", "pump", "--out", File("p.csv"), "--effect", "weak_sprign"}).err,
+              HasSubstr("'weak_spring'?"));
 }
 
 }  // namespace

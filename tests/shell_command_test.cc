@@ -24,11 +24,22 @@ TEST_F(Shell, BashCompletesCommandsAndOptions) {
   EXPECT_EQ(ReadText(File("said")), "ack\n--machine\n");
 }
 
+TEST_F(Shell, OptionsOfACommandAboveAreCompletedBehindItsVerbsToo) {
+  const Ran script = Run({"completion", "bash"});
+  WriteText(File("complete.sh"), script.out +
+                                     "\nCOMP_WORDS=(hydroscope alarms list --d); COMP_CWORD=3; "
+                                     "_hydroscope; echo ${COMPREPLY[0]}\n");
+  ASSERT_EQ(std::system(("bash " + File("complete.sh") + " > " + File("said")).c_str()), 0);
+  EXPECT_EQ(ReadText(File("said")), "--db\n");
+}
+
 TEST_F(Shell, ZshGetsTheSameWords) {
   const Ran script = Run({"completion", "zsh"});
   EXPECT_EQ(script.exit_code, 0);
   EXPECT_THAT(script.out, HasSubstr("#compdef hydroscope"));
   EXPECT_THAT(script.out, HasSubstr("|alarms ack|"));
+  EXPECT_THAT(script.out, HasSubstr("  _hydroscope \"$@\"\n"))
+      << "the first time it is called as a file of $fpath";
   EXPECT_EQ(Run({"completion", "fish"}).exit_code, 2);
 }
 

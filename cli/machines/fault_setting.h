@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/finite_number.h"
+#include "core/nearest_or_all.h"
 #include "core/result.h"
 
 namespace hydroscope {
@@ -30,7 +31,7 @@ Status TakeFault(const std::string& text, const std::vector<Fault>& all, Faults&
     faults.*fault.size = *size;
     return {};
   }
-  return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
+  return UsageError("--effect {}: unknown effect '{}'; {}", text, id, NearestOrAll(id, known));
 }
 
 /// The lines of a help text: name, meaning.

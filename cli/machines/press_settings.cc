@@ -10,7 +10,7 @@
 
 #include "core/constants.h"
 #include "core/finite_number.h"
-#include "core/units.h"
+#include "core/nearest_or_all.h"
 #include "models/machine.h"
 #include "simulator/die_cushion/effects.h"
 #include "simulator/die_cushion/imperfections.h"
@@ -114,7 +114,7 @@ Result<SensorFault> ParseFault(const std::string& text) {
     found = true;
   }
   if (!found)
-    return UsageError("--fault {}: kind '{}' is not one of {}", text, parts[0], fmt::join(names, ", "));
+    return UsageError("--fault {}: unknown kind '{}'; {}", text, parts[0], NearestOrAll(parts[0], names));
   fault.channel = parts[1];
   const bool whole_row = fault.kind == FaultKind::kDropout || fault.kind == FaultKind::kClockJump;
   if (whole_row && (fault.channel.empty() || fault.channel == "*" || fault.channel == "t"))

@@ -140,7 +140,11 @@ void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
 }
 
 /// Why not one of the held frequencies could be used.
-std::string NoneUsed(const std::vector<FrequencyPoint>& points) {
+std::string NoneUsed(const std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options) {
+  if (const int outside = CountReason(points, PointReason::kOutsideRange); outside > 0)
+    return fmt::format(
+        "no usable frequency lies within {:g} to {:g} Hz, {} of {} lie outside: give a wider range",
+        options.lowest, options.highest, outside, points.size());
   if (const int clipped = CountReason(points, PointReason::kClipped); clipped > 0)
     return fmt::format(
         "command or response is clipped at {} of {} frequencies: lower the amplitude or check the sensor's range",
@@ -196,7 +200,8 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   if (auto without = response.model ? FitWithoutOne(response.points, *response.model, record.sample_period)
                                     : std::nullopt)
     TakeModel(std::move(*without), response);
-  if (CountReason(response.points, PointReason::kUsed) == 0) return BadInput("{}", NoneUsed(response.points));
+  if (CountReason(response.points, PointReason::kUsed) == 0)
+    return BadInput("{}", NoneUsed(response.points, options));
   WarnOfLeftOut(response);
   if (search.unsteady > 0) {
     response.warnings.push_back(fmt::format(

@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "core/nearest_or_all.h"
 #include "estimation/linear_form/linear_fit.h"
 #include "models/expressions/check.h"
 
@@ -175,8 +176,11 @@ Result<Trajectory> DesignTrajectory(const LinearForm& form, const Machine& machi
                                     const TrajectoryOptions& options) {
   std::set<std::string> driven;
   for (const TrajectoryLimits& l : limits) {
-    if (machine.SignalIndex(l.signal) < 0)
-      return UsageError("'{}' is no signal of the machine file", l.signal);
+    if (machine.SignalIndex(l.signal) < 0) {
+      std::vector<std::string> names;
+      for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
+      return UsageError("'{}' is no signal of the machine file; {}", l.signal, NearestOrAll(l.signal, names));
+    }
     if (!(l.low < l.high && l.speed > 0 && l.acceleration > 0))
       return UsageError("{}: a range {} to {}, speed {} and acceleration {} leave no room to move", l.signal,
                         l.low, l.high, l.speed, l.acceleration);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/units.h"
+#include "core/nearest_or_all.h"
 
 namespace hydroscope {
 namespace {
@@ -119,10 +119,7 @@ Result<PressEffectSizes> ResolveEffects(const std::vector<EffectSetting>& settin
     if (slot == slots.end()) {
       std::vector<std::string> ids;
       for (const Slot& s : slots) ids.push_back(s.info.id);
-      const std::string nearest = Nearest(setting.id, ids);
-      if (!nearest.empty())
-        return UsageError("the simulator knows no effect '{}'; did you mean '{}'?", setting.id, nearest);
-      return UsageError("the simulator knows no effect '{}'; it knows {}", setting.id, fmt::join(ids, ", "));
+      return UsageError("the simulator knows no effect '{}'; {}", setting.id, NearestOrAll(setting.id, ids));
     }
     if (!std::isfinite(setting.size))
       return UsageError("effect {}: size {} is not a number ({} expected)", setting.id, setting.size,

@@ -5,18 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/units.h"
+#include "core/nearest_or_all.h"
 #include "simulator/die_cushion/sensors.h"
 
 namespace hydroscope {
 namespace {
-
-/// Names the nearest of `known` to `given`, or all of them.
-std::string Suggestion(const std::string& given, const std::vector<std::string>& known) {
-  const std::string nearest = Nearest(given, known);
-  return nearest.empty() ? fmt::format("it knows {}", fmt::join(known, ", "))
-                         : fmt::format("did you mean '{}'?", nearest);
-}
 
 Result<const ImperfectionInfo*> FindKind(const std::string& name) {
   std::vector<std::string> names;
@@ -24,7 +17,7 @@ Result<const ImperfectionInfo*> FindKind(const std::string& name) {
     if (info.name == name) return &info;
     names.push_back(info.name);
   }
-  return UsageError("the simulator knows no imperfection '{}'; {}", name, Suggestion(name, names));
+  return UsageError("the simulator knows no imperfection '{}'; {}", name, NearestOrAll(name, names));
 }
 
 Status TakeExtra(const ImperfectionInfo& info, const std::string& name, double value, Imperfection& one) {
@@ -39,7 +32,7 @@ Status TakeExtra(const ImperfectionInfo& info, const std::string& name, double v
     return {};
   }
   if (names.empty()) return UsageError("imperfection {} has no further number; found '{}'", info.name, name);
-  return UsageError("imperfection {} knows no '{}'; {}", info.name, name, Suggestion(name, names));
+  return UsageError("imperfection {} knows no '{}'; {}", info.name, name, NearestOrAll(name, names));
 }
 
 Status TakeChannel(const ImperfectionInfo& info, const std::string& given, Imperfection& one) {
@@ -53,7 +46,8 @@ Status TakeChannel(const ImperfectionInfo& info, const std::string& given, Imper
   if (one.channel) return {};
   std::vector<std::string> names(kPressChannels.begin(), kPressChannels.end());
   names.emplace_back("all");
-  return UsageError("imperfection {} on unknown channel '{}'; {}", info.name, name, Suggestion(name, names));
+  return UsageError("imperfection {} on unknown channel '{}'; {}", info.name, name,
+                    NearestOrAll(name, names));
 }
 
 }  // namespace
