@@ -8,9 +8,12 @@
 #include <fastrtps/utils/IPFinder.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <sys/socket.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -105,6 +108,26 @@ Status CheckAddresses(const DdsNetwork& network) {
       return BadInput("[{}] interfaces: this computer has no address {}; it has {}", network.section, wanted,
                       fmt::format("{}", fmt::join(own, ", ")));
   return {};
+}
+
+/// Announcements to all come to a port that participants share. Where another program has it for itself the library goes on
+/// without, finds nobody, and tells nobody.
+Status CheckDiscoveryPort(const DdsNetwork& network) {
+  const int port = DiscoveryPort(network.domain);
+  const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const int on = 1;
+  setsockopt(probe, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool taken =
+      bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 && errno == EADDRINUSE;
+  if (probe >= 0) close(probe);
+  if (!taken) return {};
+  return InternalError(
+      "[{}] UDP port {} of domain {} is taken by another program (`ss -ulpn sport = :{}` names it), so that nobody can "
+      "be found; end that program, or use another domain",
+      network.section, port, network.domain, port);
 }
 
 /// Where this participant listens; `without`: why not by shared memory, though that was asked for. Announcements go by UDP, by the loopback alone where data shall go by
@@ -275,6 +298,7 @@ std::uint64_t DdsPeerId(const SampleInfo& sample) {
 Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork& network,
                                                                const std::string& name) {
   if (const Status status = CheckAddresses(network); !status) return tl::unexpected(status.error());
+  if (const Status status = CheckDiscoveryPort(network); !status) return tl::unexpected(status.error());
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   qos.name(name.c_str());
   std::string without_shared_memory;
@@ -386,6 +410,8 @@ DataReaderQos FindingReaderQos() {
   KeepLatestOfEach(qos);
   return qos;
 }
+
+int DiscoveryPort(int domain) { return 7400 + 250 * domain; }
 
 std::string LayoutTopic(const std::string& samples) { return samples + "/layout"; }
 

@@ -46,7 +46,7 @@ std::uint64_t DdsPeerId(const eprosima::fastdds::dds::SampleInfo& sample);
 /// what they send is encrypted (`scripts/dds_certificates.sh`).
 class DdsParticipant {
  public:
-  /// Errors: no such interface, no address, a file of DDS Security that cannot be read or used, shared memory alone on a /dev/shm below 8 MB (the library would
+  /// Errors: no such interface, no address, another program on the domain's port, a file of DDS Security that cannot be read or used, shared memory alone on a /dev/shm below 8 MB (the library would
   /// die of SIGBUS).
   static Result<std::unique_ptr<DdsParticipant>> Create(const DdsNetwork& network, const std::string& name);
   /// Deletes what was made of it: topics, readers, writers.
@@ -99,6 +99,9 @@ eprosima::fastdds::dds::DataReaderQos FindingReaderQos();
 
 /// Offered by a sender, s: a reader may not ask for less.
 inline constexpr double kOfferedDeadline = 0.1;
+
+/// UDP port that the participants of a domain share for announcements to all (DDSI-RTPS, 9.6.1.1).
+int DiscoveryPort(int domain);
 
 /// Topic of the layout that belongs to a topic of samples.
 std::string LayoutTopic(const std::string& samples);

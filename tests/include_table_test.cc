@@ -51,8 +51,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"live",
      {"core", "models", "acquisition", "estimation", "storage", "alarms", "host", "pipeline", "monitor"}},
     {"studies",
-     {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
-      "host", "pipeline", "workbench", "monitor", "report", "review", "live"}},
+     {"core", "dds", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay",
+      "simulator", "host", "pipeline", "workbench", "monitor", "report", "review", "live"}},
     {"cli",
      {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
       "host", "pipeline", "setup", "workbench", "monitor", "report", "review", "page", "live", "studies"}},
@@ -85,7 +85,8 @@ const std::vector<Reserved> kReservedWords = {
     {"getenv", {"host/", "cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
     {"<sys/socket.h>",
-     {"live/", "page/", "studies/", "acquisition/modbus/", "alarms/", "simulator/die_cushion/modbus/"}},
+     {"live/", "page/", "studies/", "acquisition/modbus/", "alarms/", "simulator/die_cushion/modbus/",
+      "dds/participant.cc"}},  // whether a port is free
     {"sleep_for", {"live/", "studies/", "cli/"}},
 };
 

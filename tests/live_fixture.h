@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "acquisition/source.h"
+#include "dds/domains.h"
 #include "models/machine.h"
 #include "simulator/die_cushion/press_server.h"
 
@@ -27,7 +28,10 @@ inline HostTime RealTime() {
 }
 
 /// A DDS domain that tests running at the same time do not share.
-inline int OwnDomain() { return 20 + static_cast<int>(getpid() % 200); }
+inline int OwnDomain() {
+  static const int domain = FreeDomain();
+  return domain;
+}
 
 /// A simulated press of two axes at 1 kHz in a thread of its own; lives may follow each other.
 class TestPress {

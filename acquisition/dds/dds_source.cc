@@ -257,8 +257,12 @@ class DdsSource : public Source {
   Status Start(Sink sink) override {
     receiver_ = std::make_unique<Receiver>(options_, clock_, std::move(sink));
     auto subscription = Subscription::Create(options_.spec, shared_memory_, *receiver_);
-    if (!subscription) return tl::unexpected(subscription.error());
-    subscription_ = std::move(*subscription);
+    if (!subscription && subscription.error().kind == ErrorKind::kBadInput)
+      return tl::unexpected(subscription.error());
+    if (subscription)
+      subscription_ = std::move(*subscription);
+    else
+      receiver_->CannotListen(subscription.error().text);  // a port that is taken may be free soon
     watchdog_ = std::jthread([this](std::stop_token stop) { Watch(stop); });
     return {};
   }

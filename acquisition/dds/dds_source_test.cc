@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "dds/taken_port_fixture.h"
 #include "tests/live_fixture.h"
 
 namespace hydroscope {
@@ -61,6 +62,15 @@ TEST_F(DdsSourceTest, ALateJoinerMayAskForTheBacklog) {
   ASSERT_TRUE(sink_.WaitForMore(350));
   EXPECT_EQ(sink_.batches().front().first_sequence, 0u);
   EXPECT_EQ(source_->status().lost_rows, 0);
+}
+
+TEST_F(DdsSourceTest, APortThatAnotherProgramHasIsToldAndTriedAgain) {
+  std::optional<TakenPort> other(OwnDomain());
+  ASSERT_TRUE(Start());
+  EXPECT_TRUE(Tells("is taken by another program")) << source_->status().state.english;
+  other.reset();
+  Live();
+  EXPECT_TRUE(sink_.WaitForMore(50));
 }
 
 TEST_F(DdsSourceTest, ASenderThatFallsSilentIsLateAndIsHeardAgain) {

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include "dds/domains.h"
+
 namespace hydroscope {
 std::string AlarmAxis(int axis) { return fmt::format("press/cushion_{}", axis + 1); }
 
@@ -22,7 +24,7 @@ AlarmRig::~AlarmRig() {
 
 Result<std::unique_ptr<AlarmRig>> AlarmRig::Create() {
   std::unique_ptr<AlarmRig> rig(new AlarmRig);
-  rig->domain_ = 1 + static_cast<int>(getpid()) % 200;
+  rig->domain_ = FreeDomain();
   auto dds = AlarmListener::Create(rig->domain_);
   if (!dds) return tl::unexpected(dds.error());
   rig->dds_ = std::move(*dds);

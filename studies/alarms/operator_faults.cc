@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "acquisition/modbus/link.h"
+#include "dds/domains.h"
 #include "host/output.h"
 #include "simulator/dds/publisher.h"
 #include "storage/mounted_disk.h"
@@ -382,7 +383,7 @@ int RunOperatorFaults(const LiveFaultOptions& options) {
   const std::string folder =
       (std::filesystem::temp_directory_path() / fmt::format("hydroscope-seen-{}", own)).string();
   const storage_test::MountedDisk disk(folder, "96m");
-  const int port = 41'000 + own % 10'000, tls_port = 51'000 + 4 * (own % 2'500), domain = 1 + own % 19;
+  const int port = 41'000 + own % 10'000, tls_port = 51'000 + 4 * (own % 2'500), domain = FreeDomain();
   const std::string listeners = options.brief ? "" : TlsListeners(folder, tls_port);
   const auto broker = CampaignBroker::Create(folder, listeners);
   if (!broker) return ReportError(broker.error());

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <thread>
 
+#include "dds/domains.h"
 #include "live/service_socket.h"
 
 namespace hydroscope {
@@ -140,7 +141,7 @@ LiveRig::LiveRig(const RigOptions& options) : options_(options), folder_(options
   }
   std::filesystem::create_directories(folder_);
   const int own = static_cast<int>(getpid());
-  domain_ = 20 + own % 200;
+  domain_ = FreeDomain();
   port_ = 20'000 + own % 20'000;
   feeds_ = options.feeds;
   WriteMachines();
@@ -198,6 +199,7 @@ void LiveRig::StartPress() {
   }
   press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network, "/proc/self/exe",
                                    press_environment_);
+  press_->SetNice(options_.nice);  // a controller has a computer of its own
 }
 
 void LiveRig::StartService(std::vector<std::string> more) {

@@ -52,7 +52,7 @@ struct RigOptions {
   std::string folder;                 ///< "" = a temporary one, removed at the end
   std::string press_address = "127.0.0.1", service_address = "127.0.0.1";
   int press_network = -1, service_network = -1;  ///< namespaces, see Child
-  int nice = -15;  ///< of the service, as far as the user may: that of live/systemd/hydroscope@.service
+  int nice = -15;  ///< of service and press, as far as the user may: that of live/systemd/hydroscope@.service
   std::string feeds = "";  ///< [feeds...] of the service's machine file
 };
 

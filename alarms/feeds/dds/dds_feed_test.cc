@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <hydroscope_wire/hydroscope_alarmsPubSubTypes.h>
-#include <unistd.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -10,7 +9,9 @@
 #include <fastdds/dds/topic/Topic.hpp>
 
 #include "alarms/feeds/dds/settings.h"
+#include "dds/domains.h"
 #include "dds/participant.h"
+#include "dds/taken_port_fixture.h"
 #include "tests/feed_fixture.h"
 
 namespace hydroscope {
@@ -19,8 +20,10 @@ namespace {
 using namespace eprosima::fastdds::dds;
 using ::testing::HasSubstr;
 
-/// A domain that tests running at the same time do not share.
-int OwnDomain() { return 20 + static_cast<int>(getpid() % 200); }
+int OwnDomain() {
+  static const int domain = FreeDomain();
+  return domain;
+}
 
 /// A reader that is not of the feed.
 class Listening {
@@ -124,6 +127,18 @@ TEST_F(DdsFeedTest, ALateReaderGetsThePresentStateOfEveryAlarm) {
   EXPECT_EQ(findings["alarm_3"].text(), "a \"seal\" leaks");
   std::size_t events = 0;
   EXPECT_TRUE(WaitUntil([&] { return (events += reader.Events().size()) == 3; }));
+}
+
+TEST_F(DdsFeedTest, APortThatAnotherProgramHasIsToldAndTriedAgain) {
+  std::optional<TakenPort> other(OwnDomain());
+  PartsSpec spec;
+  spec.Add<DdsFeedSpec>().domain = OwnDomain();
+  const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);
+  ASSERT_TRUE(WaitUntil([&] { return feeds.status()[0].errors > 0; }));
+  EXPECT_FALSE(feeds.status()[0].connected);
+  EXPECT_THAT(feeds.status()[0].state.english, HasSubstr("is taken by another program"));
+  other.reset();
+  EXPECT_TRUE(WaitUntil([&] { return feeds.status()[0].connected; }));
 }
 
 TEST_F(DdsFeedTest, AnAddressThatThisComputerDoesNotHaveIsTold) {
