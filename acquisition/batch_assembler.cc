@@ -13,6 +13,8 @@ constexpr std::size_t kMostLayouts = 16;  // of one session
 constexpr std::int64_t kMostPeriod = 1'000'000'000'000;
 constexpr std::int64_t kLeeway = 1'000'000'000;    // ns a count may be beside what the time that passed says
 constexpr std::uint64_t kReadingsOfLeeway = 1000;  // the same of single readings, which tell no period
+constexpr std::int64_t kStillSends = 2'000'000'000;    // ns since its newest batch
+constexpr std::int64_t kFaultStands = 60'000'000'000;  // ns of sound batches
 constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max() / 2;
 
 void AddSequence(const SequenceMonitor& sequence, SourceStatus& status) {
@@ -23,8 +25,7 @@ void AddSequence(const SequenceMonitor& sequence, SourceStatus& status) {
 
 std::string FaultOf(const BatchMessage& m) {
   if (m.version != kLiveProtocolVersion)
-    return fmt::format("the sender speaks version {} of the protocol, expected {}", m.version,
-                       kLiveProtocolVersion);
+    return fmt::format("version {} of the protocol, expected {}", m.version, kLiveProtocolVersion);
   if (m.rows == 0) return "a batch without rows";
   if (m.first_sequence > std::numeric_limits<std::uint64_t>::max() - m.rows)
     return "a sequence number that overflows";
@@ -41,7 +42,30 @@ BatchAssembler::BatchAssembler(std::vector<std::string> wanted) : wanted_(std::m
 
 void BatchAssembler::Malformed(std::string complaint) {
   ++counters_.malformed;
-  complaint_ = std::move(complaint);
+  if (fault_.empty()) fault_ = std::move(complaint);
+  faulty_ = counters_.last_received.monotonic_ns;
+}
+
+/// What none of those who send announces. Somebody else's layout does not make a channel missing that its sender announced.
+std::string BatchAssembler::Missing() const {
+  std::int64_t newest = 0;
+  for (const auto& [key, session] : sessions_) newest = std::max(newest, session.received);
+  const Session* latest = nullptr;
+  std::vector<bool> announced(wanted_.size(), false);
+  for (const auto& [key, session] : sessions_) {
+    if (newest - session.received > kStillSends || session.layouts.empty()) continue;
+    for (const auto& [id, layout] : session.layouts)
+      for (const std::uint16_t channel : layout.channels) announced[channel] = true;
+    if (latest == nullptr || session.used > latest->used) latest = &session;
+  }
+  if (latest == nullptr) return "";
+  const Layout& layout = latest->layouts.rbegin()->second;
+  for (std::size_t channel = 0; channel < wanted_.size(); ++channel)
+    if (!wanted_[channel].empty() && !announced[channel])
+      return fmt::format("the sender announces {} channels but not {}{}; it announces e.g. {}",
+                         layout.columns, wanted_[channel],
+                         layout.channels.empty() ? " nor any other wanted one" : "", layout.example);
+  return "";
 }
 
 /// Of the writer with the most sessions the one used longest ago, so that nobody who invents sessions makes us
@@ -77,25 +101,18 @@ void BatchAssembler::Receive(const LayoutMessage& message, const Emit& emit) {
   Session& session = SessionOf({message.writer, message.session});
   if (session.layouts.size() == kMostLayouts) session.layouts.erase(session.layouts.begin());
   Layout& layout = session.layouts[message.layout_id];
-  layout = {.columns = message.channels.size(), .channels = {}, .from_columns = {}};
-  std::string missing;
-  bool any = false;
+  layout = {.columns = message.channels.size(),
+            .example = message.channels.front().substr(0, 255),
+            .channels = {},
+            .from_columns = {}};
   for (std::size_t channel = 0; channel < wanted_.size(); ++channel) {
     if (wanted_[channel].empty()) continue;
     const auto found = std::find(message.channels.begin(), message.channels.end(), wanted_[channel]);
-    if (found == message.channels.end()) {
-      if (missing.empty()) missing = wanted_[channel];
-      continue;
-    }
-    any = true;
+    if (found == message.channels.end()) continue;
     layout.channels.push_back(static_cast<std::uint16_t>(channel));
     layout.from_columns.push_back(static_cast<std::size_t>(found - message.channels.begin()));
   }
-  complaint_ = missing.empty()
-                   ? ""
-                   : fmt::format("the sender announces {} channels but not {}{}; it announces e.g. {}",
-                                 message.channels.size(), missing, any ? "" : " nor any other wanted one",
-                                 message.channels.front().substr(0, 255));
+  fault_.clear();
   std::vector<Waiting> waiting;
   std::swap(waiting, waiting_);
   for (Waiting& w : waiting) Receive(std::move(w.message), w.received, emit);
@@ -161,6 +178,7 @@ void BatchAssembler::Deliver(Session& session, const Layout& layout, BatchMessag
   for (std::size_t row = verdict.skip; row < message.rows; ++row)
     for (const std::size_t column : layout.from_columns)
       batch.values.push_back(message.values[row * layout.columns + column]);
+  if (now - faulty_ > kFaultStands) fault_.clear();
   ++counters_.batches;
   counters_.rows += static_cast<std::int64_t>(rows);
   counters_.last_received = received;

@@ -54,8 +54,9 @@ class BatchAssembler {
 
   /// Counters only: batches, rows, lost_rows, duplicate_rows, reordered_batches, malformed.
   SourceStatus counters() const;
-  /// "" while all is well, else what is wrong with the messages, for people.
-  const std::string& complaint() const { return complaint_; }
+  /// "" while all is well, else what is wrong with the messages, for people. A fault stands until sound batches have come for a
+  /// minute, a missing channel until somebody who sends announces it.
+  std::string complaint() const { return fault_.empty() ? Missing() : fault_; }
 
  private:
   static constexpr std::size_t kSessionsKept = 64;
@@ -64,6 +65,7 @@ class BatchAssembler {
 
   struct Layout {
     std::size_t columns = 0;
+    std::string example;                    ///< name of one of them
     std::vector<std::uint16_t> channels;    ///< channels that are delivered ...
     std::vector<std::size_t> from_columns;  ///< ... and the column of each
   };
@@ -85,6 +87,7 @@ class BatchAssembler {
   SessionKey OldestOfTheBusiest() const;
   static bool IsElsewhere(const Session& session, const BatchMessage& message, std::int64_t now);
   void Malformed(std::string complaint);
+  std::string Missing() const;
   void Deliver(Session& session, const Layout& layout, BatchMessage& message, HostTime received,
                const Emit& emit);
 
@@ -92,8 +95,9 @@ class BatchAssembler {
   std::map<SessionKey, Session> sessions_;
   std::vector<Waiting> waiting_;
   SourceStatus counters_;
-  SourceStatus forgotten_;  ///< sequence counters of sessions no longer kept
-  std::string complaint_;
+  SourceStatus forgotten_;   ///< sequence counters of sessions no longer kept
+  std::string fault_;        ///< of a message that could not be right; "" if none, or long ago
+  std::int64_t faulty_ = 0;  ///< ns, monotonic: sound batches had come until the latest of these
   std::uint64_t messages_ = 0;
 };
 

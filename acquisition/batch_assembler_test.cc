@@ -113,12 +113,42 @@ TEST_F(BatchAssemblerTest, BatchesWithoutAnyLayoutAreCountedAndBounded) {
   EXPECT_THAT(assembler_.complaint(), HasSubstr("layout"));
 }
 
+TEST_F(BatchAssemblerTest, AFaultIsForgottenAfterAMinuteOfSoundBatchesAMissingChannelIsNot) {
+  Announce({"left/p", "a", "b", "c"});
+  BatchMessage bad = Message(0, 1);
+  bad.source_time_ns = -1;
+  Receive(bad);
+  const auto sound = [&](std::int64_t s) {
+    assembler_.Receive(Message(static_cast<std::uint64_t>(1000 * s), 1), {s * 1'000'000'000, 0}, emit_);
+  };
+  for (std::int64_t s = 1; s < 60; ++s) sound(s);
+  EXPECT_THAT(assembler_.complaint(), HasSubstr("a time of -1 ns"));
+  sound(61);
+  EXPECT_THAT(assembler_.complaint(), HasSubstr("right/p"));
+}
+
 TEST_F(BatchAssemblerTest, AMissingChannelIsNamedAndTheOthersAreDelivered) {
   Announce({"left/p", "a", "b", "c"});
   Receive(Message(0, 1));
   ASSERT_EQ(got_.size(), 1u);
   EXPECT_THAT(got_[0].channels, ElementsAre(0));
   EXPECT_THAT(assembler_.complaint(), HasSubstr("right/p"));
+}
+
+TEST_F(BatchAssemblerTest, ASecondSendersLayoutMakesNoChannelOfTheFirstMissing) {
+  const auto send = [&](std::int64_t s, std::uint64_t writer) {
+    BatchMessage message = Message(static_cast<std::uint64_t>(1000 * s), 1);
+    message.writer = writer;
+    assembler_.Receive(std::move(message), {s * 1'000'000'000, 0}, emit_);
+  };
+  Announce();
+  send(1, 0);
+  assembler_.Receive(LayoutMessage{kLiveProtocolVersion, 7, 1, {"left/p", "a", "b", "c"}, 66}, emit_);
+  send(1, 66);
+  send(2, 0);
+  EXPECT_EQ(assembler_.complaint(), "");
+  for (std::int64_t s = 3; s < 9; ++s) send(s, 66);
+  EXPECT_THAT(assembler_.complaint(), HasSubstr("announces 4 channels but not right/p")) << "it is alone now";
 }
 
 TEST_F(BatchAssemblerTest, OverlappingRowsAreDeliveredOnce) {

@@ -9,6 +9,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::int64_t kRowsAtOnce = 1000;
+constexpr std::int64_t kBetweenCounts = 60'000'000'000;  ///< ns
 
 void TellRow(const JournalRow& row) {
   const AlarmEvent& e = row.event;
@@ -50,8 +51,30 @@ void EventLog::Look(const LiveStatus& status) {
                    {{"feed", Printable(feed.name)}, {"why", Printable(feed.state.english)}});
     }
   }
+  LookAtRefusals(status);
   LookAtSenders(status);
   LookAtJournal();
+}
+
+void EventLog::TellCount(const char* event, const LogFields::value_type& who, std::int64_t count,
+                         const std::string& why, std::int64_t now) {
+  Count& before = counts_[fmt::format("{} {}", event, who.second)];
+  if (count <= before.told || (before.told > 0 && now - before.at < kBetweenCounts)) return;
+  LogFields fields = {who, {"count", std::to_string(count - before.told)}};
+  if (!why.empty()) fields.push_back({"why", Printable(why)});
+  LogWarning(event, fields);
+  before = {count, now};
+}
+
+void EventLog::LookAtRefusals(const LiveStatus& status) {
+  for (const FeedStatus& feed : status.feeds)
+    TellCount("client_refused", {"feed", Printable(feed.name)}, feed.refused, feed.refusal, status.taken);
+  for (const SourceStatus& source : status.sources) {
+    const LogFields::value_type who{"source", Printable(source.name)};
+    TellCount("sender_refused", who, source.refused, "", status.taken);
+    TellCount("malformed_messages", who, source.malformed, source.state.english, status.taken);
+  }
+  TellCount("malformed_batches", {"machine", Printable(status.machine)}, status.malformed, "", status.taken);
 }
 
 void EventLog::LookAtSenders(const LiveStatus& status) {

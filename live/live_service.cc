@@ -319,16 +319,16 @@ Status LiveService::Reload() {
     present = reloaded_ ? reloaded_ : model_;
   }
   if (const Status fits = OnlyLimitsDiffer(present->machine, (*model)->machine); !fits) return told(fits);
+  if (present->machine == (*model)->machine) return told({});  // runs go on
   {
     std::lock_guard lock(status_mutex_);
     reloaded_ = std::move(*model);
   }
-  promotions_.clear();  // every axis takes the new limits over
-  if (const auto taken = TakePromotions(); !taken) return told(tl::unexpected(taken.error()));
+  if (const auto taken = TakeModels(true); !taken) return told(tl::unexpected(taken.error()));
   return told({});
 }
 
-Result<bool> LiveService::TakePromotions() {
+Result<bool> LiveService::TakeModels(bool limits_changed) {
   std::shared_ptr<const LiveModel> present;
   {
     std::lock_guard lock(status_mutex_);
@@ -344,17 +344,17 @@ Result<bool> LiveService::TakePromotions() {
     const auto promoted = database->PromotedModel(*id);
     if (!promoted) return tl::unexpected(promoted.error());
     const int version = *promoted ? (*promoted)->version : 0;
-    if (const auto known = promotions_.find(a); known != promotions_.end() && known->second == version)
-      continue;
-    promotions_[a] = version;
+    const bool promoted_anew = std::exchange(promotions_[a], version) != version;
+    if (!promoted_anew && !limits_changed) continue;
     auto model = WithPromoted(present, *database, options_.database, *id);
     if (!model) {
       LogError("promoted_model_not_used", {{"axis", name}, {"why", model.error().text}});
       continue;
     }
-    LogInfo(
-        "model_taken_over",
-        {{"axis", name}, {"effects", fmt::format("{}", fmt::join((*model)->machine.added_effects, " "))}});
+    if (promoted_anew)
+      LogInfo(
+          "model_taken_over",
+          {{"axis", name}, {"effects", fmt::format("{}", fmt::join((*model)->machine.added_effects, " "))}});
     std::lock_guard lock(status_mutex_);
     next_models_[a] = std::move(*model);
     changed = true;
@@ -471,7 +471,9 @@ LiveStatus LiveService::status() const {
   }
   for (SenderStatus& sender : status.senders) {
     const auto& names = status.sources[static_cast<std::size_t>(sender.id.source)].senders;
-    if (const auto name = names.find(sender.id.writer); name != names.end()) sender.name = name->second;
+    const auto name = names.find(sender.id.writer);
+    sender.name =
+        name != names.end() ? name->second : status.sources[static_cast<std::size_t>(sender.id.source)].name;
   }
   status.inbox = inbox_.counters();
   status.writer = writer_->status();

@@ -57,7 +57,7 @@ class LiveService {
   /// Looks whether another model was promoted for an axis since (`model promote`, or the page): the axis goes by it from its
   /// next pause between strokes on, in a run of its own. True: there was one. Errors: the database cannot be read. To be called
   /// by the thread that calls Reload.
-  Result<bool> TakePromotions();
+  Result<bool> TakePromotions() { return TakeModels(false); }
   LiveStatus status() const;
   std::vector<double> TakeLatencies() { return writer_->TakeLatencies(); }
   const Machine& machine() const { return first_model_->machine; }
@@ -70,6 +70,8 @@ class LiveService {
  private:
   LiveService(const LiveOptions& options, std::shared_ptr<const LiveModel> model, SourceFactory sources,
               Clock clock, Heartbeat heartbeat);
+  /// Of axes with another model than before, or of all if limits changed; false if there is none.
+  Result<bool> TakeModels(bool limits_changed);
   Result<LiveWriter::Axis> OpenAxis(Database& database, int axis, std::vector<std::uint8_t>& marks);
   void Run();
   void ProcessAxis(int axis, std::int64_t now, int& steps, std::vector<WriteItem>& items);

@@ -117,6 +117,17 @@ TEST_F(LiveServiceTest, AModelPromotedMeanwhileIsThatOfItsAxisFromTheNextPauseOn
   EXPECT_EQ(database->Runs(right)->back().model_version, 1);
 }
 
+TEST_F(LiveServiceTest, AFileThatIsReadAgainUnchangedEndsNoRun) {
+  PlayedSource::hold_at = 15'000;
+  Begin();
+  EXPECT_OK(service_->Reload());
+  PlayedSource::hold_at = PlayedSource::kNever;
+  while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(service_->Stop());
+  auto database = Database::OpenReadOnly(options_.database);
+  EXPECT_EQ(database->Runs(database->MachineId("press/left").value())->size(), 1u);
+}
+
 TEST_F(LiveServiceTest, NewLimitsAreTakenOverWithoutLosingTheState) {
   Serve(0, 10'000, 0, [this](LiveService& service) {
     std::string text = kMachine;

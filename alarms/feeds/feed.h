@@ -16,6 +16,8 @@ struct FeedStatus {
   std::int64_t delivered = 0;  ///< journal rows up to this sequence number are out
   std::int64_t behind = 0;     ///< journal rows that are not
   std::int64_t errors = 0;     ///< rounds that failed, since the start
+  std::int64_t refused = 0;    ///< clients turned away, or ended because of what they sent
+  std::string refusal = "";    ///< the latest of these, in words
 };
 
 /// Tells somebody outside what the journal and the trends hold. Each has threads and database handles of its

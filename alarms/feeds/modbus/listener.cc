@@ -48,7 +48,8 @@ struct Client {
   Descriptor socket;
   std::string address;
   ModbusConversation conversation;
-  std::int64_t last_request = 0;  // ns, monotonic
+  std::int64_t last_request = 0;  // ns, monotonic; before the first one, since when it is connected
+  bool asked = false;             // for something sound, ever
   std::int64_t half_since = 0;    // first byte of a request that is not complete; 0: none
   bool over = false;
 };
@@ -74,7 +75,10 @@ class Listener : public ModbusListener {
   }
 
   int port() const override { return port_; }
-  Counters counters() const override { return {client_count_, accepted_, refused_, gave_way_, malformed_}; }
+  Counters counters() const override {
+    std::lock_guard lock(mutex_);
+    return {client_count_, accepted_, refused_, gave_way_, malformed_, refusal_};
+  }
 
  private:
   void Serve(const std::stop_token& stop) {
@@ -115,27 +119,32 @@ class Listener : public ModbusListener {
         accept4(socket_.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) return errno == EAGAIN || errno == ECONNABORTED || errno == EINTR;
     const std::uint32_t address = ntohl(from.sin_addr.s_addr);
+    char text[INET_ADDRSTRLEN] = "";
+    inet_ntop(AF_INET, &from.sin_addr, text, sizeof text);
     const bool allowed = std::any_of(allow_.begin(), allow_.end(),
                                      [&](const Ipv4Range& range) { return range.Contains(address); });
-    if (!allowed || (clients_.size() >= most_ && !EndTheMostIdle(now))) {
-      ++refused_;
+    if (!allowed) {
+      Count(refused_, text, "is not among [feeds.modbus] allow");
+      return true;
+    }
+    if (clients_.size() >= most_ && !EndTheMostIdle(now)) {
+      Count(refused_, text, "found all [feeds.modbus] connections taken");
       return true;
     }
     const int on = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    char text[INET_ADDRSTRLEN] = "";
-    inet_ntop(AF_INET, &from.sin_addr, text, sizeof text);
-    clients_.push_back({std::move(socket), text, {}, now});
+    clients_.push_back({std::move(socket), text, {}, now, false});
     ++accepted_;
     return true;
   }
 
-  /// False: all of them ask for something now and then.
+  /// False: all of them ask for something now and then. Who never did goes first.
   bool EndTheMostIdle(std::int64_t now) {
     const auto idlest =
-        std::min_element(clients_.begin(), clients_.end(),
-                         [](const Client& a, const Client& b) { return a.last_request < b.last_request; });
-    if (now - idlest->last_request < kIdleGivesWay) return false;
+        std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+          return std::pair(a.asked, a.last_request) < std::pair(b.asked, b.last_request);
+        });
+    if (now - idlest->last_request < (idlest->asked ? kIdleGivesWay : kHalfRequestAllowed)) return false;
     clients_.erase(idlest);
     ++gave_way_;
     return true;
@@ -154,7 +163,10 @@ class Listener : public ModbusListener {
       sound = client.conversation.Receive(std::span(bytes).first(static_cast<std::size_t>(got)), registers,
                                           answers_);
     });
-    if (!answers_.empty()) client.last_request = now;
+    if (!answers_.empty()) {
+      client.last_request = now;
+      client.asked = true;
+    }
     if (!client.conversation.halfway())
       client.half_since = 0;
     else if (client.half_since == 0 || !answers_.empty())
@@ -163,13 +175,19 @@ class Listener : public ModbusListener {
                                                MSG_NOSIGNAL) == static_cast<ssize_t>(answers_.size());
     if (sound && sent) return;
     client.over = true;
-    ++malformed_;
+    Count(malformed_, client.address, sound ? "does not read its answers" : "sent what is no Modbus");
+  }
+
+  void Count(std::atomic<std::int64_t>& counter, const std::string& address, const char* why) {
+    ++counter;
+    std::lock_guard lock(mutex_);
+    refusal_ = address + " " + why;
   }
 
   void DropLate(std::int64_t now) {
     std::erase_if(clients_, [&](const Client& client) {
       const bool half = client.half_since != 0 && now - client.half_since >= kHalfRequestAllowed;
-      if (half && !client.over) ++malformed_;
+      if (half && !client.over) Count(malformed_, client.address, "did not end its request");
       return client.over || half || now - client.last_request >= idle_;
     });
   }
@@ -185,6 +203,8 @@ class Listener : public ModbusListener {
   std::vector<std::uint8_t> answers_;
   std::atomic<int> client_count_ = 0;
   std::atomic<std::int64_t> accepted_ = 0, refused_ = 0, gave_way_ = 0, malformed_ = 0;
+  mutable std::mutex mutex_;
+  std::string refusal_;  // guarded
   std::jthread thread_;
 };
 

@@ -44,6 +44,8 @@ class ModbusFeed : public Feed {
     if (!listener_) return status;
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
+    status.refused = counters.refused + counters.malformed;
+    status.refusal = counters.refusal;
     if (status.state.empty())
       status.state = Tell(
           "open; {} connections taken, {} refused, {} gave way because idle, {} ended as malformed",

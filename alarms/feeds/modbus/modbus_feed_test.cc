@@ -212,6 +212,8 @@ TEST_F(ModbusFeedTest, NonsenseIsAnsweredOrClosedWithin50MillisecondsWhileOthers
       quickest = std::min(quickest, Now() - begin);
     }
     EXPECT_LT(quickest, 0.05) << testing::PrintToString(nonsense);
+    EXPECT_THAT(status().refusal,
+                testing::AnyOf("", "127.0.0.1 sent what is no Modbus", "127.0.0.1 did not end its request"));
     ASSERT_TRUE(sound.Send(kReadMagic));
     EXPECT_EQ(sound.Hear(500).bytes.size(), 13u);
   }
@@ -269,6 +271,8 @@ TEST_F(ModbusFeedTest, ConnectionsBeyondTheLimitAreClosedAtOnce) {
   EXPECT_FALSE(second.Hear(500).bytes.empty());
   EXPECT_TRUE(Plain(port()).Hear(500).closed);
   EXPECT_THAT(status().state.english, HasSubstr("1 refused"));
+  EXPECT_EQ(status().refused, 1);
+  EXPECT_THAT(status().refusal, HasSubstr("127.0.0.1 found all [feeds.modbus] connections taken"));
 }
 
 TEST_F(ModbusFeedTest, TheConnectionThatIsIdleLongestGivesWayToAnother) {
@@ -285,6 +289,22 @@ TEST_F(ModbusFeedTest, TheConnectionThatIsIdleLongestGivesWayToAnother) {
   EXPECT_TRUE(idle.Hear(500).closed);
   ASSERT_TRUE(busy.Send(kReadMagic));
   EXPECT_FALSE(busy.Hear(500).bytes.empty());
+}
+
+TEST_F(ModbusFeedTest, ConnectionsThatNeverAskedGiveWayBeforeAPollerThatRests) {
+  Start({.connections = 2});
+  const Plain poller(port());
+  const auto ask = [](const Plain& client) {
+    return client.Send(kReadMagic) && !client.Hear(500).bytes.empty();
+  };
+  ASSERT_TRUE(ask(poller));
+  for (int k = 0; k < 8; ++k) {
+    const Plain silent(port());
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    const Plain next(port());  // in the place of the silent one, not of the poller
+    EXPECT_TRUE(ask(next)) << k;
+    EXPECT_TRUE(ask(poller)) << k;
+  }
 }
 
 TEST_F(ModbusFeedTest, WithoutTheRightToAcknowledgeClientsOnlyRead) {
@@ -308,6 +328,7 @@ TEST_F(ModbusFeedTest, AnIdleConnectionIsClosed) {
 TEST_F(ModbusFeedTest, ClientsThatAreNotAllowedAreClosedAtOnce) {
   Start({.allow = {"127.0.0.1"}});
   EXPECT_TRUE(Plain(port(), "127.0.0.2").Hear(500).closed);
+  EXPECT_EQ(status().refusal, "127.0.0.2 is not among [feeds.modbus] allow");
   const Plain allowed(port(), "127.0.0.1");
   ASSERT_TRUE(allowed.Send(kReadMagic));
   EXPECT_FALSE(allowed.Hear(500).bytes.empty());
