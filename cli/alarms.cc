@@ -108,14 +108,6 @@ Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const Al
   return learning;
 }
 
-/// Why the service that fills the database can store nothing now, alarms neither; "" if it can, or none runs.
-std::string NotStored(const std::string& database) {
-  const auto answer = AskService(SocketOf(database), "GET", "/status");
-  const Json status = answer ? Json::parse(*answer, nullptr, false) : Json();
-  if (!status.is_object() || status["writer"].value("state", "writing") == "writing") return "";
-  return status["writer"].value("problem", "");
-}
-
 Status List(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
@@ -123,7 +115,7 @@ Status List(const AlarmsArguments& a) {
   if (!alarms) return tl::unexpected(alarms.error());
   const auto not_judged = NotJudged(*journal, a);
   if (!not_judged) return tl::unexpected(not_judged.error());
-  const std::string not_stored = NotStored(a.db);
+  const std::string not_stored = WhyNothingIsStored(a.db);
   Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}, {"not_stored", not_stored}};
   std::string text = !not_stored.empty()
                          ? fmt::format("THIS IS OLD: the service stores nothing now, alarms neither: {}\n",

@@ -3,6 +3,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "cli/old_database.h"
 #include "host/output.h"
 #include "models/counted_words.h"
 #include "workbench/compare_output.h"
@@ -23,6 +24,7 @@ struct CompareArguments {
 Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
   const auto chosen = OpenHistory(a.history, a.machine);
   if (!chosen) return tl::unexpected(chosen.error());
+  SayIfOld(a.history.db);
   std::vector<CompareResult> results;
   for (const HistoryChoice& choice : chosen->choices) {
     const auto history = LoadHistory(chosen->database, a.history.db, choice.parts, choice.machine);

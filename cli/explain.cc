@@ -3,6 +3,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "cli/old_database.h"
 #include "host/output.h"
 #include "models/counted_words.h"
 #include "report/explain_report.h"
@@ -139,6 +140,7 @@ Status ExplainPart(const ExplainArguments& a, const Database& database, const Hi
 Result<Explained> ExplainDatabase(const ExplainArguments& a) {
   const auto chosen = OpenHistory(a.history, a.machine);
   if (!chosen) return tl::unexpected(chosen.error());
+  SayIfOld(a.history.db);
   Explained out;
   for (const HistoryChoice& choice : chosen->choices) {
     const auto explain = !a.since.empty()                     ? ExplainSince

@@ -4,6 +4,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "cli/old_database.h"
 #include "core/counted_words.h"
 #include "review/stored_report.h"
 
@@ -15,7 +16,8 @@ struct ReportArguments {
 };
 
 Status RunReport(const ReportArguments& a) {
-  const auto written = WriteStoredReport(a.db, a.machine, a.out);
+  const std::string not_stored = SayIfOld(a.db);
+  const auto written = WriteStoredReport(a.db, a.machine, a.out, not_stored);
   if (!written) return tl::unexpected(written.error());
   return Answer(fmt::format("{}: {} of {} in {}\n", a.out, written->counted.Counted(written->strokes),
                             written->machine, Counted(written->runs, "run")),
@@ -23,7 +25,8 @@ Status RunReport(const ReportArguments& a) {
                  {"machine", written->machine},
                  {"strokes", written->strokes},
                  {"runs", written->runs},
-                 {"alarms", written->alarms}},
+                 {"alarms", written->alarms},
+                 {"not_stored", not_stored}},
                 a.json);
 }
 

@@ -5,6 +5,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "cli/old_database.h"
 #include "cli/trend_output.h"
 #include "core/units.h"
 #include "host/output.h"
@@ -143,6 +144,7 @@ Status RunTrends(const TrendsArguments& a) {
   if (!database) return tl::unexpected(database.error());
   const auto names = NamedOrAll(a, *database);
   if (!names) return tl::unexpected(names.error());
+  SayIfOld(a.db);
   std::vector<MachineTrends> machines;
   std::int64_t silent = 0;  // strokes and episodes of machines without an estimate
   for (const std::string& name : *names) {

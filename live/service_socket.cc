@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 namespace hydroscope {
 
@@ -44,6 +45,14 @@ Result<std::string> AskService(const std::string& path, const std::string& metho
   if (answer.find(" 200 ") > answer.find("\r\n"))
     return BadInput("the service says: {}", answer.substr(body + 4));
   return answer.substr(body + 4);
+}
+
+std::string WhyNothingIsStored(const std::string& database) {
+  const auto answer = AskService(SocketOf(database), "GET", "/status");
+  const auto status = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+  if (!status.is_object() || !status.contains("writer")) return "";
+  const nlohmann::json& writer = status["writer"];
+  return writer.value("state", "writing") == "writing" ? "" : writer.value("problem", "nobody knows why");
 }
 
 }  // namespace hydroscope

@@ -159,6 +159,14 @@ std::string InWords(const AlarmState& alarm, const CountedWords& counted) {
 
 }  // namespace
 
+std::string NotStoredBox(const std::string& why) {
+  if (why.empty()) return "";
+  return fmt::format(
+      "<section class=\"verdict alarmed\"><h2>■ This is old: nothing is stored now, alarms neither</h2><ul><li>{}</li><li>What "
+      "follows holds up to the last stroke shown; what happened since, it does not know.</li></ul></section>\n",
+      EscapeText(why));
+}
+
 std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis,
                       const CountedWords& counted) {
   std::string sentences;

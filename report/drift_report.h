@@ -8,6 +8,9 @@
 
 namespace hydroscope {
 
+/// HTML: the database is not being written, and why; "" where `why` is.
+std::string NotStoredBox(const std::string& why);
+
 /// HTML: the alarms that stand, in words, those of the press before those of the axis; "" if none does.
 std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis,
                       const CountedWords& counted = {});

@@ -29,7 +29,7 @@ Result<HistoryPart> Chosen(Database& database, const std::string& path, const st
 }  // namespace
 
 Result<StoredReport> WriteStoredReport(const std::string& path, const std::string& name,
-                                       const std::string& page) {
+                                       const std::string& page, const std::string& not_stored) {
   auto database = Database::OpenReadOnly(path);
   if (!database) return tl::unexpected(database.error());
   const auto part = Chosen(*database, path, name);
@@ -50,7 +50,7 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   if (!input) return tl::unexpected(input.error());
   const std::vector<AlarmState> alarms = AlarmsBeside(path, part->machine);
   input->alarms = alarms;
-  input->drift_verdict = AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
+  input->drift_verdict = NotStoredBox(not_stored) + AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
   if (!InEpisodes(KindOf(outcome.machine)))  // whose effects are tried on logs alone
     AddStoredExplanation(*database, path, *part, outcome.machine, *input);
   if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
