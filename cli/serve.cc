@@ -1,7 +1,10 @@
 #include <systemd/sd-daemon.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -38,6 +41,7 @@ struct ServeArguments {
   bool log_json = false, acknowledge = false;
   double raw_days = 7, raw_gigabytes = 4, min_free_megabytes = 64, queue_megabytes = 128,
          valve_check_hours = 0;
+  bool all_stored = true;  ///< when it ended
 };
 
 /// Feeds systemd's watchdog from the pipeline's thread, four times as often as it asks for.
@@ -109,15 +113,17 @@ Result<HttpListen> ListenOf(const ServeArguments& a) {
   return listen;
 }
 
-/// Until a signal ends it.
-void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, const LiveOptions& options,
-          const sigset_t& signals) {
+enum class End { kSignal, kBeginAgain };
+
+/// Until a signal ends it, or it has to begin again.
+End Wait(LiveService& service, Surveillance& surveillance, PageServer& page, const LiveOptions& options,
+         const sigset_t& signals) {
   for (;;) {
     const timespec patience{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &patience);
     if (signal == SIGHUP) Reload(service, surveillance, options);
-    if (signal == SIGTERM || signal == SIGINT) return;
-    surveillance.Look();
+    if (signal == SIGTERM || signal == SIGINT) return End::kSignal;
+    if (!surveillance.Look()) return End::kBeginAgain;
     page.KeepAlive();
     const WriterStatus writer = service.status().writer;
     if (writer.state == WriterState::kWriting)  // else the database may keep readers waiting
@@ -127,7 +133,20 @@ void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, co
   }
 }
 
-Result<ExitCode> Run(ServeArguments& a) {
+/// This program in place of itself, with its arguments. Returns only if the system does not let it.
+ExitCode BeginAgain() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv("/proc/self/exe", arguments.data());
+  LogError("ends", {{"why", std::string("it cannot begin again: ") + std::strerror(errno)}});
+  return kOwnFault;
+}
+
+Result<End> Run(ServeArguments& a) {
   if (const Status configured = ConfigureLog(a.log_level, a.log_json); !configured)
     return tl::unexpected(configured.error());
   KeepFreedMemory();
@@ -172,7 +191,7 @@ Result<ExitCode> Run(ServeArguments& a) {
                       {"address", a.address},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
-  Wait(service, surveillance, **page, a.live, signals);
+  const End end = Wait(service, surveillance, **page, a.live, signals);
   sd_notify(0, "STOPPING=1");
   LogInfo("stopping");
   checks.Stop();
@@ -181,7 +200,15 @@ Result<ExitCode> Run(ServeArguments& a) {
   surveillance.Finish();
   if (!stored) LogError("stopped_with_a_loss", {{"why", "what waited could not be written within 10 s"}});
   LogInfo("stopped");
-  return stored ? kDone : kPartlyDone;
+  a.all_stored = stored;
+  return end;
+}
+
+Result<ExitCode> Serve(ServeArguments& a) {
+  const auto end = Run(a);  // closes everything
+  if (!end) return tl::unexpected(end.error());
+  if (*end == End::kBeginAgain) return BeginAgain();
+  return a.all_stored ? kDone : kPartlyDone;
 }
 
 }  // namespace
@@ -236,7 +263,7 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
       "  hydroscope serve machines/press_live.toml --db press.db\n"
       "  hydroscope serve press.toml -d press.db --raw-days 3 --raw-gb 20 --valve-check-every 24\n"
       "  hydroscope status --db press.db");
-  RunsAs(*command, exit_code, [arguments] { return Run(*arguments); });
+  RunsAs(*command, exit_code, [arguments] { return Serve(*arguments); });
 }
 
 }  // namespace hydroscope

@@ -30,6 +30,7 @@ void Surveillance::Begin() {
   const std::string journal = AlarmJournal::PathFor(options_.database);
   std::lock_guard lock(mutex_);
   journal_ = FileIdentity::Of(journal);
+  logs_beside_.emplace(std::vector<std::string>{options_.database, journal});
   if (!log_) log_.emplace(journal);
   feeds_.emplace(Feeds::Start(machine_, options_.database, clock_, board_));
   self_.emplace(journal, press(), *board_);
@@ -85,7 +86,7 @@ void Surveillance::BeginAnew(const Told& why) {
   self_->BegunAnew(why, Seconds(clock_().wall_ns));
 }
 
-void Surveillance::Look() {
+bool Surveillance::Look() {
   const LiveStatus now = status();
   const bool writes = now.writer.state == WriterState::kWriting;
   if (writes && now.writer.databases != databases_) {
@@ -101,6 +102,11 @@ void Surveillance::Look() {
   }
   self_->Look(now.writer, WhyNotJudged(), Seconds(clock_().wall_ns));
   log_->Look(now);
+  const std::string gone = writes ? logs_beside_->Gone() : "";
+  if (!gone.empty())
+    LogError("begins_again",
+             {{"why", gone + " was deleted or replaced while in use: others do not see what is written"}});
+  return gone.empty();
 }
 
 void Surveillance::Reload(const Machine& machine) {

@@ -12,6 +12,7 @@
 #include "live/live_service.h"
 #include "live/service_watch.h"
 #include "live/valve_checks.h"
+#include "live/write_ahead_logs.h"
 #include "storage/file_identity.h"
 
 namespace hydroscope {
@@ -27,8 +28,9 @@ class Surveillance {
 
   /// Starts the drift watch; once the service runs.
   void Start();
-  /// What there is to tell about the service itself; once a second.
-  void Look();
+  /// What there is to tell about the service itself; once a second. False: files that belong to a database in use were deleted
+  /// (WriteAheadLogs), and the service has to close it and begin again.
+  bool Look();
   /// Goes on with another machine file or other rules.
   void Reload(const Machine& machine);
   /// Goes on with the models that were promoted meanwhile.
@@ -63,6 +65,7 @@ class Surveillance {
   std::optional<ServiceWatch> self_;
   std::optional<EventLog> log_;
   FileIdentity journal_;
+  std::optional<WriteAheadLogs> logs_beside_;
 };
 
 }  // namespace hydroscope

@@ -44,6 +44,28 @@ class MainJob : public CommandLine {
   }
 };
 
+TEST_F(MainJob, FilesBesideTheDatabaseThatAreDeletedMakeItBeginAgainWithAllThatWasStored) {
+  Program press({"simulate", "press", "--serve", File("press.toml"), "--speed", "30"}, File("press.out"));
+  ASSERT_TRUE(press.WaitFor("serving"));
+  Program service({"serve", File("press.toml"), "--db", File("press.db"), "--port", "0", "--acknowledge"},
+                  File("service.out"));
+  ASSERT_TRUE(service.WaitFor("strokes 3")) << ReadText(File("service.out.err"));
+  ASSERT_TRUE(
+      WaitUntil([&] { return ReadText(File("service.out.err")).find("sender_found") != std::string::npos; }));
+  std::filesystem::remove(File("press.db-wal"));
+  std::filesystem::remove(File("press.db-shm"));
+  const auto begun = [&] {
+    const std::string log = ReadText(File("service.out.err"));
+    const auto again = log.find("begins_again");
+    return again != std::string::npos && log.find(" serving ", again) != std::string::npos;
+  };
+  ASSERT_TRUE(WaitUntil(begun)) << ReadText(File("service.out.err"));
+  EXPECT_EQ(service.Kill(SIGTERM), 0);
+  const auto trends = Run({"trends", "--db", File("press.db"), "--json", "-"});
+  ASSERT_EQ(trends.exit_code, 0) << trends.err;
+  EXPECT_GE(trends.Json().at("summary")[0].at("strokes"), 3);
+}
+
 TEST_F(MainJob, AWornSealRaisesAnExplainedAlarmWhileThePressWorks) {
   Program press({"simulate", "press", "--serve", File("press.toml"), "--speed", "30", "--oil", "38:42"},
                 File("press.out"));
