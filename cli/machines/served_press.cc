@@ -158,8 +158,8 @@ Status ServePress(const ServedPress& arguments, PressOptions press) {
     (*server)->Run(stop.get_token(), press.seconds);
   }
   const PressServer::Counters counters = (*server)->counters();
-  std::cout << fmt::format("stopped after {} rows; {} batches published, {} dropped", counters.rows,
-                           counters.batches, counters.dropped_batches)
+  std::cout << fmt::format("stopped after {} rows; {} batches published, {} dropped, at worst {:.1f} ms late",
+                           counters.rows, counters.batches, counters.dropped_batches, counters.latest * 1e3)
             << std::endl;
   return {};
 }

@@ -113,6 +113,7 @@ void PressServer::Run(std::stop_token stop, double seconds) {
     if (early > 0) wake.wait_for(lock, stop, std::chrono::nanoseconds(early), [] { return false; });
     std::lock_guard guard(mutex_);
     if (quit_) return;
+    counters_.latest = std::max(counters_.latest, static_cast<double>(clock_().monotonic_ns - due) * 1e-9);
     if (!frozen_) ServeBatch();
   }
 }

@@ -72,6 +72,7 @@ class PressServer {
   struct Counters {
     std::int64_t rows = 0, batches = 0;
     std::int64_t dropped_batches = 0;  ///< not taken by DDS: a reader was too slow
+    double latest = 0;  ///< s between a batch being due and its sending, at worst: our own computer is busy
   };
 
   static Result<std::unique_ptr<PressServer>> Create(const Options& options, Clock clock);

@@ -98,6 +98,16 @@ Result<ServedTime> Serve(LiveRig& rig, const LiveLatencyOptions& o) {
   return served;
 }
 
+/// How late the press was at worst by its own clock, as it says when it ends: "... at worst 3.1 ms late".
+std::string LatenessOf(LiveRig& rig) {
+  rig.press().End(SIGTERM);
+  std::ifstream log(rig.File("press.log"));
+  const std::string text{std::istreambuf_iterator<char>(log), {}};
+  const std::string before = "at worst ";
+  const std::size_t begin = text.rfind(before), end = text.find(" late", begin);
+  return end == text.npos ? "not told" : text.substr(begin + before.size(), end - begin - before.size());
+}
+
 }  // namespace
 
 int RunLiveLatency(const LiveLatencyOptions& o) {
@@ -108,6 +118,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   if (!served) return ReportError(served.error());
   const int nice = rig.nice();
   const int ended = rig.service().End(SIGTERM);
+  const std::string lateness = LatenessOf(rig);
   const auto replays = CountReplays(rig.database());
   if (!replays) return ReportError(replays.error());
 
@@ -122,8 +133,8 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
   const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
-  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service at niceness {}\n", o.axes,
-             o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
+  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service and press at niceness {}\n",
+             o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);
@@ -131,6 +142,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
         fmt::format("at most {:.0f} ms", allowed * 1e3), p99 <= allowed);
   Print("stroke sent to estimate stored, worst",
         fmt::format("{:.1f} ms", writer.at("latency_max_s").get<double>() * 1e3), "", true);
+  Print("... of these the press itself late, worst", lateness, "", true);
   Print("pipeline to estimate stored, p99",
         fmt::format("{:.1f} ms", writer.at("commit_p99_s").get<double>() * 1e3), "", true);
   Print("share of one core", fmt::format("{:.1f} %", share * 100), four ? "at most 15 %" : "", share <= 0.15);
