@@ -22,6 +22,7 @@ class WriteAheadLogs {
   std::string Gone() {
     for (File& file : files_) {
       const FileIdentity now = FileIdentity::Of(file.path);
+      if (!file.of.exists()) file.of = FileIdentity::Of(file.database);
       if (FileIdentity::Of(file.database) != file.of) continue;  // another database: told by who writes it
       if (!file.seen.exists()) file.seen = now;
       if (file.seen != now) return file.path;

@@ -128,7 +128,7 @@ class Listener : public ModbusListener {
       return true;
     }
     if (clients_.size() >= most_ && !EndTheMostIdle(now)) {
-      Count(refused_, text, "found all [feeds.modbus] connections taken by clients that ask");
+      Count(refused_, text, "found all [feeds.modbus] connections taken");
       return true;
     }
     const int on = 1;
