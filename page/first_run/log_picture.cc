@@ -9,6 +9,7 @@
 #include "core/told_error.h"
 #include "core/units.h"
 #include "estimation/stroke_segmenter.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "page/first_run/gate_course.h"
 #include "page/http/json_reply.h"

@@ -68,6 +68,8 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   assert.match(said, /misses/);
   await page.goto(`${address}#view=workbench&step=compare`);
   await page.waitForSelector(".centre .plot canvas");
+  await page.click(".tabs button:has-text('Free run')");
+  await page.waitForSelector(".tabs button[aria-pressed=true]:has-text('Free run')");  // and is in the workbench still
   await page.goto(`${address}#view=workbench&step=add&effect=internal_leakage`);
   await page.click("[data-add=internal_leakage]:not([disabled])");
   await page.waitForSelector("[data-error]");
