@@ -53,7 +53,8 @@ TEST_F(LoopCommand, CheckSaysNothingOfEpisodesAndErrorsThatItDoesNotCount) {
   for (const char* key : {"strokes", "rms_holdout", "noise_floor"})
     EXPECT_TRUE(json.at(key).is_null()) << key;
   for (const auto& signal : json.at("signals"))
-    EXPECT_TRUE(signal.at("noise_std").is_null()) << signal << ": what noise on the set point moves is no noise of a sensor";
+    EXPECT_TRUE(signal.at("noise_std").is_null())
+        << signal << ": what noise on the set point moves is no noise of a sensor";
   EXPECT_TRUE(json.at("hints").empty()) << json["hints"];
   const Ran fit = Run({"fit", File("c.csv"), "-m", machine_});
   EXPECT_EQ(fit.exit_code, 3);

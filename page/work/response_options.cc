@@ -35,11 +35,11 @@ Result<FrequencyResponseOptions> ParseResponseOptions(const nlohmann::json& obje
   else if (!method->empty() && *method != "auto")
     return BadInput("method: found '{}', expected one of auto, sine, welch", *method);
   double segment = 0;
-  for (const Status& taken : {Take(object, "segment", 0, kLongestSegment, segment),
-                              Take(object, "min_coherence", 0, 1, options.min_coherence),
-                              Take(object, "from", 0, kMost, options.lowest),
-                              Take(object, "to", 1e-4, kMost, options.highest),
-                              Take(object, "settle", 0, kMost, options.settle_time)})
+  for (const Status& taken :
+       {Take(object, "segment", 0, kLongestSegment, segment),
+        Take(object, "min_coherence", 0, 1, options.min_coherence),
+        Take(object, "from", 0, kMost, options.lowest), Take(object, "to", 1e-4, kMost, options.highest),
+        Take(object, "settle", 0, kMost, options.settle_time)})
     if (!taken) return tl::unexpected(taken.error());
   options.segment_length = static_cast<std::size_t>(std::llround(segment));
   return options;
