@@ -68,6 +68,7 @@ Status RunCompare(const CompareArguments& a) {
   if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
   if (!a.hold_out.empty() && !a.history.db.empty())
     return UsageError("--hold-out needs logs, not a database");
+  if (!a.csv.empty() && !a.history.db.empty()) return UsageError("--csv needs logs, not a database");
   if (a.history.db.empty() && HasStates(a.machine)) return CompareStates(a);
   if (!a.csv.empty()) return UsageError("--csv is for machines with [states]: measured beside simulated");
   const auto results = Compare(a);

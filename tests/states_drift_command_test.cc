@@ -100,6 +100,8 @@ TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
   EXPECT_TRUE(compared.at("model_error_seen").is_null()) << compared.at("model_error_seen");
   EXPECT_GT(compared.at("rms_holdout").get<double>(), 3 * compared.at("noise_floor").get<double>());
   EXPECT_THAT(Run({"compare", "--db", File("tank.db")}).out, Not(HasSubstr("down to the sensor noise")));
+  EXPECT_THAT(Run({"compare", "--db", File("tank.db"), "--csv", File("beside.csv")}).err,
+              HasSubstr("--csv needs logs, not a database"));
   const auto explained = Run({"explain", "--db", File("tank.db"), "--whole", "--json", "-"}).Json();
   EXPECT_EQ(explained.at("verdict"), "unknown");
   const std::string told = Words(Run({"explain", "--db", File("tank.db"), "--whole"}).out);

@@ -46,6 +46,11 @@ std::string AtBegin(std::string word, const ModelStructure& model) {
   return word;
 }
 
+/// Two digits; of shares of the whole and more all before the point.
+std::string InPercent(double share) {
+  return share < 0.995 ? fmt::format("{:.2g}", 100 * share) : fmt::format("{:.0f}", 100 * share);
+}
+
 std::string OverallText(const CompareResult& result) {
   const StrokeComparison& o = result.overall;
   const std::vector<std::string> added = AddedEffects(result);
@@ -66,12 +71,12 @@ std::string OverallText(const CompareResult& result) {
       "\n{}, rms in {}\n"
       "  measured               {:>8.3g}\n"
       "  modelled               {:>8.3g}\n"
-      "  difference             {:>8.3g}   {:.2g} % of the measured {}\n"
+      "  difference             {:>8.3g}   {} % of the measured {}\n"
       "  ... {:<18} {:>8.3g}\n"
       "  sensor noise alone     {:>8.3g}\n"
       "  model error            {:>8.3g}   what is above the noise\n",
       AtBegin(words.output.english, *result.log.model), unit.name, o.rms_measured * unit.factor,
-      o.rms_modelled * unit.factor, o.rms_residual * unit.factor, 100 * o.relative_error(),
+      o.rms_modelled * unit.factor, o.rms_residual * unit.factor, InPercent(o.relative_error()),
       words.output.english, fmt::format("{} left out", counted.many),
       result.model.figures.rms_holdout * unit.factor, o.noise_floor * unit.factor,
       o.model_error() * unit.factor);
@@ -105,10 +110,10 @@ std::string StrokesText(const CompareResult& result) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
     text +=
-        fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g}{}{}\n", s.stroke,
+        fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5} {:>9.3g}{}{}\n", s.stroke,
                     std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
                     s.rms_measured * unit.factor, s.rms_modelled * unit.factor, s.rms_residual * unit.factor,
-                    100 * s.relative_error(), s.noise_floor * unit.factor,
+                    InPercent(s.relative_error()), s.noise_floor * unit.factor,
                     runs ? fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * run.factor)
                                                             : std::string("-"))
                          : std::string(),

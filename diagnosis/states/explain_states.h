@@ -63,8 +63,8 @@ struct ExplainStatesOptions {
   double leans_share = 0.04;
   /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
   double dynamics_share = 0.25;
-  /// Energy of an error that lasts, of that which a set explains (SlowShare): of more, the set may only stand in for a part. Half was
-  /// too much where a tank was named to overflow that spilt into the next one, with 0.76 left.
+  /// Energy of an error that lasts, of that which a set explains (SlowShare): of more, the set may only stand in for a part. An
+  /// overflow that stands in for one that spills into the next tank leaves 0.76.
   double slow_share = 0.5;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   /// Share of a set's terms that the nearest of another set may differ by to be fitted from there.
