@@ -15,7 +15,7 @@ constexpr double kLeastBent = 0.1, kLeastOfNormal = 0.1257, kDensityAtZero = 0.3
 constexpr std::int64_t kBentToTell = 100;
 constexpr double kOpposedBends = 0.3;
 constexpr double kRareRun = 1e-8;
-constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 8;
+constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 6;
 constexpr double kBinsPerOctave = 2, kLeastExponent = -64;
 
 double SizeOfBin(std::size_t bin) {
@@ -70,20 +70,25 @@ void StraightRuns::Flush(SampleBlock& block) {
 }
 
 void StraightRuns::Learn(const std::vector<double>& coming, Channel& channel) {
-  double before = 0;  // bend of the reading before, 0 where it is none
+  double before = 0;    // bend of the reading before, 0 where it is none
+  std::size_t run = 0;  // readings without one up to there
   for (std::size_t k = 1; k + 1 < coming.size(); ++k) {
     const double step = std::abs(coming[k] - coming[k - 1]);
     if (step > 0) channel.least_step = channel.least_step > 0 ? std::min(channel.least_step, step) : step;
     const double bend = (coming[k + 1] - coming[k]) - (coming[k] - coming[k - 1]);
     const double size = std::abs(bend);
+    ++channel.readings;
     if (size > channel.straight) {
       const double bin = kBinsPerOctave * (std::log2(size) - kLeastExponent);
       ++channel.bends[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(kBins - 1)))];
       ++channel.bent;
       channel.turned += bend * before < 0;
+      channel.alone += run == 1;
       before = bend;
+      run = 0;
     } else {
       before = 0;
+      ++run;
     }
   }
 }
@@ -101,7 +106,8 @@ void StraightRuns::Judge(Channel& channel) {
   while (static_cast<double>(below) < kLeastBent * static_cast<double>(channel.bent))
     below += channel.bends[bin++];
   const double std = SizeOfBin(bin - 1) / kLeastOfNormal;
-  const double chance = 2 * channel.straight * kDensityAtZero / std;
+  const double seen = static_cast<double>(channel.alone) / static_cast<double>(channel.readings);
+  const double chance = std::max(seen, 2 * channel.straight * kDensityAtZero / std);
   if (!(chance < 1)) return;
   const auto needed = static_cast<std::size_t>(std::ceil(std::log(kRareRun) / std::log(chance)));
   if (needed <= kLongestRunNeeded) channel.fewest = std::max(kShortestRun, needed);

@@ -30,8 +30,10 @@ class StraightRuns {
     std::size_t drawn = 0;  ///< readings of the run that the last ones given out belong to, if they are drawn
     double least_step = 0;  ///< the smallest so far: the resolution; 0: none yet
     double straight = 0;    ///< the largest bend that is none
-    std::int64_t bent = 0;  ///< readings with a bend ...
-    std::int64_t turned = 0;                  ///< ... against that of the reading before
+    std::int64_t readings = 0;  ///< looked at
+    std::int64_t alone = 0;     ///< without a bend between two that have one: how often chance makes one
+    std::int64_t bent = 0;      ///< with a bend ...
+    std::int64_t turned = 0;    ///< ... against that of the reading before
     std::array<std::int64_t, kBins> bends{};  ///< their number by size
     std::size_t fewest = 0;  ///< readings of a run that counts; 0: the channel cannot be judged
   };

@@ -89,6 +89,8 @@ TEST(StraightRuns, LeavesWhatIsStraightByItselfAlone) {
   EXPECT_TRUE(Drawn(Readings(0), 1000).empty());
   EXPECT_TRUE(Drawn(Readings(0, 0.01), 1000).empty());
   EXPECT_TRUE(Drawn(Readings(0.003, 0.01), 1000).empty()) << "noise that the resolution hides";
+  EXPECT_TRUE(Drawn(Readings(0.02, 0.008), 1000).empty())
+      << "noise that shows in a few steps of the resolution";
   std::vector<double> ramps(kRows), compressed = Readings(0.02);
   for (std::size_t k = 0; k < kRows; ++k) ramps[k] = std::min(1.0, 0.05 * static_cast<double>(k % 97));
   for (std::size_t k = 0; k + 11 < kRows; k += 11) Draw(k, k + 11, compressed);

@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/trend_output.h"
 #include "core/shown_width.h"
+#include "core/unwrapped_fixture.h"
 #include "host/output.h"
 #include "storage/storage_fixture.h"
 #include "workbench/history/trend_summary.h"
@@ -228,10 +229,10 @@ TEST(Trends, WrongNamesAreAnsweredWithTheKnownOnes) {
   FillPress(folder.File());
   const Outcome machine = Trends({"--db", folder.File(), "-m", "pres 7"});
   EXPECT_EQ(machine.code, kWrongInput);
-  EXPECT_THAT(machine.err, HasSubstr("it holds: press 7. Did you mean press 7?"));
+  EXPECT_THAT(Unwrapped(machine.err), HasSubstr("it holds: press 7. Did you mean press 7?"));
   const Outcome parameter = Trends({"--db", folder.File(), "-p", "Q_vm"});
   EXPECT_EQ(parameter.code, kWrongInput);
-  EXPECT_THAT(parameter.err, HasSubstr("it has: K, V0, Q_vn, y_0. Did you mean Q_vn?"));
+  EXPECT_THAT(Unwrapped(parameter.err), HasSubstr("it has: K, V0, Q_vn, y_0. Did you mean Q_vn?"));
 }
 
 TEST(Trends, ALongHistoryIsWholeThoughItIsReadInPieces) {

@@ -238,17 +238,22 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
 }
 
 /// A model that needs nothing is adequate, though a law was found that gains a little, if that may as well be of size zero
-/// once the freedom of its shape counts.
+/// once the freedom of its shape counts. One that gains more than freedom does is no all-clear, and no name either.
 void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
   const auto first = out.final.effects.begin() + static_cast<std::ptrdiff_t>(out.started);
   if (out.set.empty() || !options.IsDownToNoise(out.base) ||
-      out.ranking.front().gain > options.most_by_shape ||
       std::none_of(first, out.final.effects.end(),
                    [](const EffectEstimate& e) { return std::abs(e.size) < kNormal95 * e.std; }))
     return;
-  out.verdict = Verdict::kAdequate;
-  out.partial = false;
+  out.small_error = out.ranking.front().gain > options.most_by_shape;
+  out.verdict = out.small_error ? Verdict::kUnknown : Verdict::kAdequate;
   out.doubt = {};
+  if (out.small_error)
+    out.doubt = Tell(
+        "{} would explain it, but with the shape of its law free its size may as well be zero",
+        "{} würde ihn erklären, doch bei freier Form seines Gesetzes kann seine Größe ebenso gut null sein",
+        out.set.front());
+  out.partial = false;
   out.set.clear();
   out.groups.clear();
   out.final = out.base;

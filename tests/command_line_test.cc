@@ -1,3 +1,4 @@
+#include "core/unwrapped_fixture.h"
 #include "tests/command_line_fixture.h"
 
 namespace hydroscope {
@@ -142,7 +143,7 @@ TEST_F(CommandLine, AFileSizeLimitIsAnErrorAndNoCrash) {
   ASSERT_TRUE(WIFEXITED(state)) << "ended by a signal";
   EXPECT_NE(WEXITSTATUS(state), 0);
   EXPECT_LT(WEXITSTATUS(state), 5);
-  EXPECT_THAT(ReadText(File("limited.err")),
+  EXPECT_THAT(Unwrapped(ReadText(File("limited.err"))),
               AllOf(HasSubstr("limited.db cannot be written"), HasSubstr("ulimit -f")));
 }
 

@@ -97,7 +97,7 @@ const std::vector<std::string> kNameAllThings = {"studies/", "cli/machines/"};
 const std::map<std::string, std::string> kNameThings = {
     {"setup/column_names.cc", "what logs call the signals of hydraulic machines, whatever the machine"},
     {"models/machine.h", "signals that [valve] means where it names none"},
-    {"cli/frequency_response/frf_report.cc",
+    {"workbench/frequency_response/valve_output.cc",
      "JSON of a valve's response, whose gain has the name of a pump's spring"},
 };
 

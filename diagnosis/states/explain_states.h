@@ -64,8 +64,8 @@ struct ExplainStatesOptions {
   /// Energy that the past of inputs predicts, of that which a set explains: of more, the set may only stand in for missing dynamics.
   double dynamics_share = 0.25;
   /// Energy of an error that lasts, of that which a set explains (SlowShare): of more, the set may only stand in for a part. An
-  /// overflow that stands in for one that spills into the next tank leaves 0.76.
-  double slow_share = 0.5;
+  /// overflow that stands in for one that spills into the next tank leaves 0.76, a right name beside noise of the process 0.7 to 1.
+  double slow_share = 1.0;
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   /// Share of a set's terms that the nearest of another set may differ by to be fitted from there.
   double near_law = 0.5;
