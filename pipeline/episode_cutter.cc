@@ -129,6 +129,7 @@ Quality EpisodeCutter::Forgiven(std::size_t signal) const {
       spikes_.empty() ? static_cast<double>(spikes) / static_cast<double>(flags.size()) : spikes_[signal];
   Quality forgiven = kTimeBreaks;
   if (input_[signal] || share > kRareSpikes) forgiven |= quality::kSpike;
+  if (input_[signal]) forgiven |= quality::kInterpolated;
   if (input_[signal] || machine_.signals[signal].stuck_time < kStuckRows * options_.period)
     forgiven |= quality::kStuck;
   return forgiven;

@@ -90,6 +90,18 @@ TEST(EpisodePipeline, SaysTheSameHoweverRowsAreCutIntoBlocks) {
   }
 }
 
+/// An input held to a straight line by its logger drives the model all the same; an output is no reading there.
+TEST(EpisodePipeline, KeepsInputsThatALoggerDrew) {
+  SampleBlock all = LagRows(200);
+  const auto plain = RecordsOf(all, 200);
+  for (std::size_t row = 20; row < 30; ++row) all.quality[0][row] = quality::kInterpolated;
+  const auto drawn = RecordsOf(all, 200);
+  ASSERT_EQ(drawn.size(), plain.size());
+  EXPECT_EQ(drawn[0].gram.integral, plain[0].gram.integral);
+  for (std::size_t row = 20; row < 30; ++row) all.quality[1][row] = quality::kInterpolated;
+  EXPECT_NE(RecordsOf(all, 200)[0].gram.integral, plain[0].gram.integral);
+}
+
 /// Sums of what episodes leave behind are a fit of all of them.
 TEST(EpisodePipeline, LeavesSumsThatLaterFitsNeedNoLogFor) {
   const auto records = RecordsOf(LagRows(2000), 500);

@@ -65,11 +65,11 @@ Status CheckRecord(const FrequencyRecord& record) {
   if (!(record.sample_period > 0))
     return BadInput("the sample period is {} s, a positive one is needed", record.sample_period);
   if (!(high > low)) {
-    return BadInput(Tell(
-        "the command is constant ({:.6g}): excite the valve with stepped sines, a chirp or noise",
-        "der Befehl ist konstant ({:.6g}): das Ventil mit gestuften Sinusschwingungen, einem Gleitsinus oder Rauschen "
-        "anregen",
-        low));
+    return BadInput(
+        Tell("the command is constant ({:.6g}): excite the valve with stepped sines, a chirp or noise",
+             "der Befehl ist konstant ({:.6g}): das Ventil mit gestuften Sinusschwingungen, "
+             "einem Gleitsinus oder Rauschen anregen",
+             low));
   }
   if (!(out_high > out_low)) {
     return BadInput(Tell(
@@ -165,8 +165,8 @@ Told NoneUsed(const std::vector<FrequencyPoint>& points, const FrequencyResponse
         points.size());
   return Tell(
       "all {} held frequencies are too short: fewer than 2 whole periods are left after the transient; hold each frequency longer",
-      "alle {} gehaltenen Frequenzen sind zu kurz: nach dem Einschwingen bleiben weniger als 2 ganze Perioden; jede Frequenz "
-      "länger halten",
+      "alle {} gehaltenen Frequenzen sind zu kurz: nach dem Einschwingen bleiben weniger als 2 ganze Perioden; "
+      "jede Frequenz länger halten",
       points.size());
 }
 
@@ -180,8 +180,8 @@ void WarnOfLeftOut(FrequencyResponse& response) {
         "weniger als 2 ganze Perioden nach dem Einschwingen"}},
       {PointReason::kOutsideRange, {"outside the range asked for", "außerhalb des gewünschten Bereichs"}},
       {PointReason::kOffTheOthers,
-       {"far off the model that describes all others, as where the response picks up a hum of just this frequency: repeat it "
-        "next to it",
+       {"far off the model that describes all others, as where the response picks up a hum of just this frequency: "
+        "repeat it next to it",
         "weit neben dem Modell, das alle anderen beschreibt, wie wo die Antwort ein Brummen gerade dieser Frequenz aufnimmt: "
         "daneben wiederholen"}}};
   for (const auto& [reason, what] : kReasons)
@@ -357,8 +357,8 @@ void AddModelWarnings(FrequencyResponse& response) {
     response.warnings.push_back(Tell(
         "the response is of first order with dead time: only its corner frequency f0/(2 D) = {:.4g} Hz is "
         "determined, D is held at {:.3g}",
-        "die Antwort ist erster Ordnung mit Totzeit: nur ihre Eckfrequenz f0/(2 D) = {:.4g} Hz ist bestimmt, D ist auf {:.3g} "
-        "festgehalten",
+        "die Antwort ist erster Ordnung mit Totzeit: nur ihre Eckfrequenz f0/(2 D) = {:.4g} Hz ist bestimmt, "
+        "D ist auf {:.3g} festgehalten",
         m.natural_frequency.value / (2 * m.damping.value), m.damping.value));
   } else if (m.natural_frequency.std > kWeakFrequency * m.natural_frequency.value ||
              m.phase_90.value > kFarExtrapolation * m.highest) {
