@@ -36,8 +36,13 @@ std::vector<PlantCase> PlantCases() {
           {"leakage_temperature", 4e-12, 4e-12},
           {"supply_leakage", 1e-8, 1e-8},
           {"pressure_gain_temperature", 3e-4, 3e-4},
+          {"pressure_gain_drift", 0.015, 0.015 / kSeconds},
           {"pressure_offset_temperature", 3e4, 3e4},
           {"pressure_crosstalk", 3e5, 3e5},
+          {"pressure_position_crosstalk", 2e6, 2e6},
+          {"pressure_nonlinearity", 0.01, 0.01},
+          {"position_nonlinearity", 0.01, -0.01},
+          {"spool_null_pressure", 3e-10, 3e-10},
           {"displacement_gain_temperature", 3e-4, -3e-4},
           {"spool_null_temperature", 2e-4, 2e-4},
           {"periodic_disturbance", 2e-5, 2e-5},
@@ -119,7 +124,7 @@ using testing::Not;
 TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
   for (const double warming : {0.0, 1.0}) {
     const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
-    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift"));
+    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift", "pressure_gain_drift"));
     const auto& drift = x.explanation.final.effects.front();
     EXPECT_THAT(DriftText(x, drift).english, HasSubstr("Q_vn rose by 2 % during this log"));
   }

@@ -42,10 +42,15 @@
   _(SpoolNonlinearity)               \
   _(PressureGain)                    \
   _(PressureGainTemperature)         \
+  _(PressureGainDrift)               \
   _(PressureOffsetTemperature)       \
   _(PressureCrosstalk)               \
+  _(PressurePositionCrosstalk)       \
+  _(PressureNonlinearity)            \
+  _(PositionNonlinearity)            \
   _(DisplacementGainTemperature)     \
   _(SpoolNullTemperature)            \
+  _(SpoolNullPressure)               \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
   _(SpoolSignalLag)                  \
