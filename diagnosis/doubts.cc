@@ -46,19 +46,22 @@ double Doubts::LeastShare(const Explanation& found) const {
   return least;
 }
 
-Told Doubts::MayMoveBetweenRows(const Explanation& found) const {
-  for (std::size_t k = static_cast<std::size_t>(found.started); k < found.final.effects.size(); ++k) {
+std::optional<Doubts::UnseenDelay> Doubts::MayMoveBetweenRows(const Explanation& found) const {
+  const auto started = static_cast<std::size_t>(found.started);
+  for (std::size_t k = started; k < found.final.effects.size(); ++k) {
     const EffectEstimate& late = found.final.effects[k];
     const Effect& effect = *strokes_.model().effects[late.choice.effect];
     if (effect.unseen_rows == 0 || late.size > effect.unseen_rows * strokes_.period()) continue;
-    return Tell(
-        "rows are {:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command held so "
-        "long, looks {:.2g} ms late as well",
-        "die Zeilen liegen {:.3g} ms auseinander, und ein Signal, das sich zwischen zwei Zeilen früh bewegt, wie eines, das einem so "
-        "lange gehaltenen Befehl folgt, sieht ebenfalls {:.2g} ms verspätet aus",
-        1e3 * strokes_.period(), 1e3 * late.size);
+    return UnseenDelay{
+        k - started,
+        Tell(
+            "rows are {:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command held so "
+            "long, looks {:.2g} ms late as well",
+            "die Zeilen liegen {:.3g} ms auseinander, und ein Signal, das sich zwischen zwei Zeilen früh bewegt, wie eines, das einem so "
+            "lange gehaltenen Befehl folgt, sieht ebenfalls {:.2g} ms verspätet aus",
+            1e3 * strokes_.period(), 1e3 * late.size)};
   }
-  return {};
+  return std::nullopt;
 }
 
 /// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
@@ -118,8 +121,8 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
         "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
         "zufällig hervortreten");
   }
-  if (Told unseen = MayMoveBetweenRows(found); !unseen.empty()) {
-    return unseen;
+  if (auto unseen = MayMoveBetweenRows(found)) {
+    return std::move(unseen->why);
   }
   if (Told limit = ValueAtItsLimit(found); !limit.empty()) {
     return limit;

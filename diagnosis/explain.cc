@@ -349,11 +349,12 @@ void Explainer::Judge(Explanation& out) const {
     return;
   }
   const Doubts doubts(strokes_, options_, start_, ranking_);
-  if (Told unseen = doubts.MayMoveBetweenRows(out); !unseen.empty() && out.groups.size() == 1) {
+  const auto unseen = doubts.MayMoveBetweenRows(out);
+  if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));
+  if (out.groups.empty()) {
     out.verdict = Verdict::kUnknown;
     out.small_error = true;
-    out.groups.clear();
-    out.doubt = std::move(unseen);
+    out.doubt = unseen->why;
     return;
   }
   out.doubt = doubts.Of(out, AtFloor(out.final));

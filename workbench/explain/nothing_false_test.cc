@@ -280,6 +280,18 @@ TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
   EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
 }
 
+/// Nor beside another effect, which is named without it.
+TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNoSecondName) {
+  PressOptions options = RandomMachine(13);
+  options.sample_period = 0.004;
+  options.effects = {{"internal_leakage", 2e-11, {}}, {"spool_signal_delay", 0.001, {}}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("internal_leakage"));
+  EXPECT_THAT(x.set, Not(Contains("spool_signal_delay")));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
+}
+
 /// What falls is of negative size, and no delay.
 TEST(NothingFalse, AFlowGainThatFallsIsNotDoubtedForTheDistanceOfRows) {
   PressOptions options = ASeenPress(6);

@@ -27,7 +27,8 @@ Effect PositionNonlinearity(const CushionGeometry& geometry) {
       "Die Weganzeige wächst nicht im Verhältnis zum Weg; zu suchen: ein Seilzug oder Hebel, der schräg zieht, ein Aufnehmer, "
       "der ohne seine Tabelle getauscht wurde, ein Magnet nahe Eisen.",
       "Endmaße oder ein Maßstab neben dem Wegsensor, an den Enden und in der Mitte des Hubs"};
-  e.told_apart_by = "gauge blocks or a scale beside the position sensor, at the ends and in the middle of the stroke";
+  e.told_apart_by =
+      "gauge blocks or a scale beside the position sensor, at the ends and in the middle of the stroke";
   e.walks = true;
   e.variant = [area = geometry.piston_area, stroke = geometry.stroke](const auto&) {
     const auto bow = [stroke](double z) { return z * (1.0 - z / stroke); };
