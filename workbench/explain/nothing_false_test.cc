@@ -292,6 +292,16 @@ TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNoSecondName) {
   EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
 }
 
+/// Strokes that leak for a while draw the delay far off before they are left out; its twin must not stand alone then.
+TEST(NothingFalse, ADelayThatOddStrokesDrewAwayStaysBesideItsTwin) {
+  PressOptions options = RandomMachine(25);
+  options.seconds = 90;
+  options.effects = {{"pressure_signal_delay", 0.0058, {}}};
+  options.imperfections = {{"leaky_stretch", 1.5e-11, {{"begin", 0.4}, {"length", 0.2}}, ""}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("pressure_signal_delay"));
+}
+
 /// What falls is of negative size, and no delay.
 TEST(NothingFalse, AFlowGainThatFallsIsNotDoubtedForTheDistanceOfRows) {
   PressOptions options = ASeenPress(6);
