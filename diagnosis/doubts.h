@@ -24,6 +24,8 @@ class Doubts {
   /// rows it is taken to move evenly, and it need not.
   struct UnseenDelay {
     std::size_t effect = 0;
+    bool integrated =
+        false;  ///< so small that it is how the flow between rows is integrated (ExplainOptions::integrated_rows)
     Told why;
   };
   std::optional<UnseenDelay> MayMoveBetweenRows(const Explanation& found) const;

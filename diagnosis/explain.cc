@@ -351,10 +351,11 @@ void Explainer::Judge(Explanation& out) const {
   const Doubts doubts(strokes_, options_, start_, ranking_);
   const auto unseen = doubts.MayMoveBetweenRows(out);
   if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));
+  if (unseen && unseen->integrated) out.warnings.push_back(unseen->why);
   if (out.groups.empty()) {
-    out.verdict = Verdict::kUnknown;
-    out.small_error = true;
-    out.doubt = unseen->why;
+    out.verdict = unseen->integrated ? Verdict::kAdequate : Verdict::kUnknown;
+    out.small_error = !unseen->integrated;
+    if (out.small_error) out.doubt = unseen->why;
     return;
   }
   out.doubt = doubts.Of(out, AtFloor(out.final));

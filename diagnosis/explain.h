@@ -126,6 +126,9 @@ struct ExplainOptions {
   double biased = 1.0 / 3;
   /// p-value below which an effect that gains min_gain may not move one out of its interval either: few strokes make no small ones.
   double bias_p = 0.05;
+  /// Rows by which a spool may seem late, without a doubt, for the flow between two rows is taken to be the mean of both: 0 to 0.1
+  /// for a valve of 60 to 150 Hz, damped by 0.6 to 1, whose command is held for 4 ms (its response integrated).
+  double integrated_rows = 0.15;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 
