@@ -348,6 +348,16 @@ void Explainer::Judge(Explanation& out) const {
                      "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law);
     return;
   }
+  if (out.final.excess_ratio >
+      std::max(options_.doubt_excess, options_.most_left * start_.fit.excess_ratio)) {
+    out.verdict = Verdict::kUnknown;
+    out.partial = true;
+    out.groups.clear();
+    out.doubt = Tell("{:.0f} % of the error's energy above sensor noise stay",
+                     "{:.0f} % der Fehlerenergie über dem Sensorrauschen bleiben",
+                     100 * out.final.excess_ratio / start_.fit.excess_ratio);
+    return;
+  }
   const Doubts doubts(strokes_, options_, start_, ranking_);
   const auto unseen = doubts.MayMoveBetweenRows(out);
   if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));

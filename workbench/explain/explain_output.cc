@@ -21,6 +21,7 @@
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/headline.h"
 #include "workbench/explain/located_output.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
 #include "workbench/explain/what_to_record.h"
 
@@ -136,33 +137,13 @@ std::string DoubtText(const ExplainResult& result) {
                      x.doubt.english, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
-/// "3 (at 12.4 s), 9 (at 40.1 s)".
-std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
-  std::vector<std::string> words;
-  for (const std::size_t s : odd.strokes) {
-    const StrokeSummary& stroke = result.log.strokes[s].summary;
-    words.push_back(fmt::format("{} (at {:.1f} s)", stroke.index, stroke.begin));
-  }
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
-/// Which strokes differ from the rest, and what that means for the verdict.
-std::string OddText(const ExplainResult& result) {
+/// What is not so in all strokes.
+std::string OddStrokesText(const ExplainResult& result) {
   std::string text;
   for (const OddStrokes& odd : result.explanation.odd_strokes)
     text +=
-        !odd.parameter.empty()
-            ? fmt::format(
-                  "  NOT ALL STROKES: {} differ from the rest, and another value of {} in them explains that as well as any "
-                  "effect does: the machine or a setting changed there. They were left out.\n",
-                  StrokesText(result, odd), odd.parameter)
-        : odd.set.empty()
-            ? fmt::format(
-                  "  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
-                  "were left out; look at what happened there.\n",
-                  StrokesText(result, odd))
-            : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
-                          StrokesText(result, odd));
+        fmt::format("  NOT ALL {}: {}.\n", InEpisodes(KindOf(result.log.machine)) ? "EPISODES" : "STROKES",
+                    OddText(result, odd).english);
   return text;
 }
 
@@ -379,7 +360,8 @@ std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
   const CountedWords counted = CountedWordsOf(result.log.machine);
-  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(result);
+  std::string text =
+      VerdictText(result) + OddStrokesText(result) + MeasuredText(result) + ErrorSentence(result);
   text += result.described.empty() ? fmt::format("{}, {} of {} rows used.\n", counted.Counted(result.strokes),
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;

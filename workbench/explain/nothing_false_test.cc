@@ -313,6 +313,22 @@ TEST(NothingFalse, ADelayThatOddStrokesDrewAwayStaysBesideItsTwin) {
   EXPECT_THAT(x.set, Contains("pressure_signal_delay"));
 }
 
+/// What explains a part of the error only is no name for it: here none may be left, not even what is due to chance.
+TEST(NothingFalse, AnEffectThatLeavesMuchOfTheErrorIsNoName) {
+  PressOptions options = ASeenPress(6);
+  options.effects = {{"internal_leakage", 4e-12, {}}};
+  const SimulatedLog log = SimulatePress(options);
+  ExplainOptions strict;
+  EXPECT_THAT(ExplanationOf(log, MachineFor(options), strict).set, Contains("internal_leakage"));
+  strict.doubt_excess = -1;
+  strict.most_left = -1;
+  const Explanation x = ExplanationOf(log, MachineFor(options), strict);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.set, IsEmpty());
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("of the error's energy above sensor noise"));
+}
+
 /// What falls is of negative size, and no delay.
 TEST(NothingFalse, AFlowGainThatFallsIsNotDoubtedForTheDistanceOfRows) {
   PressOptions options = ASeenPress(6);

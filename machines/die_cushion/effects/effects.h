@@ -50,7 +50,6 @@
   _(PositionNonlinearity)            \
   _(DisplacementGainTemperature)     \
   _(SpoolNullTemperature)            \
-  _(SpoolNullPressure)               \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
   _(SpoolSignalLag)                  \
