@@ -35,10 +35,10 @@ Told NamesOf(const ExplainResult& result, const std::vector<std::string>& ids) {
 Told OddText(const ExplainResult& result, const OddStrokes& odd) {
   const CountedWords words = CountedWordsOf(result.log.machine);
   const bool one = odd.strokes.size() == 1;
-  const Told which =
-      Tell("{} {}", "{} {}",
-           Told(std::string(one ? words.one : words.many), std::string(one ? words.german : words.german_several)),
-           PlacesOf(result, odd));
+  const Told which = Tell(
+      "{} {}", "{} {}",
+      Told(std::string(one ? words.one : words.many), std::string(one ? words.german : words.german_several)),
+      PlacesOf(result, odd));
   if (!odd.parameter.empty())
     return Tell(
         "{0} differ from the rest, and another value of {1} in them explains that as well as any effect does: the machine or a "
@@ -56,8 +56,8 @@ Told OddText(const ExplainResult& result, const OddStrokes& odd) {
     return Tell("this is so in {} alone; the others are described without it",
                 "das gilt nur für {}; die übrigen sind ohne es beschrieben", which);
   return Tell("{} differ from the rest: in them alone there is besides {}. They were left out",
-              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}. Sie wurden ausgelassen", which,
-              NamesOf(result, odd.set));
+              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}. Sie wurden ausgelassen",
+              which, NamesOf(result, odd.set));
 }
 
 }  // namespace hydroscope
