@@ -40,10 +40,11 @@ Told SeparationText(const StatesExplained& e) {
 /// Share of the standard error as recorded that the best record must leave at most, or records are not what is wanting.
 constexpr double kHelps = 0.9;
 
-/// Whether parameters are asked for that no record would show: what one of them changes the others make up for.
+/// Whether no record would tell the rivals apart, or show the parameters that are asked for: what one of them changes the others
+/// make up for.
 bool NoRecordHelps(const StateExperiment& x) {
-  return x.rivals.empty() && !x.tried.empty() &&
-         x.tried.front().standard_error > kHelps * x.now.standard_error;
+  if (!x.rivals.empty()) return !x.proposed();
+  return !x.tried.empty() && x.tried.front().standard_error > kHelps * x.now.standard_error;
 }
 
 Told UnseenParametersText(const StatesExplained& e) {
