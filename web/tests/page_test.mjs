@@ -46,6 +46,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.waitForSelector(".pin.sure");
   assert.equal(await page.locator("#pin-p_A").inputValue(), "p_A");
   assert.equal(await page.locator(".columns .range").first().innerText(), "0 … 90", "from the first row to the last");
+  assert.match(await page.locator(".columns").innerText(), /877209 … 2.27e7\n[^]*5.5e6 … 6.47e6\n/, "digits as at the command line");
   await page.locator("#pin-p_0").selectOption("");
   await page.waitForSelector(".mark.free:has-text('p_0')");
   await page.locator("#pin-p_0").scrollIntoViewIfNeeded();  // the columns stay in sight
@@ -67,6 +68,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.click(".stepper button:has-text('Compare')");
   await page.waitForSelector(".scrubber");
   assert.match(await page.locator(".scrubber label span").innerText(), /1 of 1\d/);
+  const firstStroke = Number((await page.locator(".scrubber label span").innerText()).match(/Stroke (\d+)/)[1]);
   await page.keyboard.press("Tab");
   await page.locator(".scrubber input").press("ArrowRight");
   await until(page, () => /2 of 1\d/.test(document.querySelector(".scrubber label span").textContent));
@@ -89,6 +91,11 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   assert.equal(await page.locator(".staircase li").count(), 1, "looking changes nothing");
   await page.waitForSelector("[data-over=relief_valve] canvas");  // what it would change over the worst stroke
   assert.match(await page.locator("[data-over] figcaption").first().innerText(), /\+ Relief valve.*version 1/s);
+  const { per_stroke: strokes } = await (await fetch(`${address}api/v1/results?kind=compare&version=1`)).json();
+  const most = (size) => strokes.reduce((best, stroke) => (size(stroke) > size(best) ? stroke : best)).stroke;
+  const telling = most((stroke) => stroke.windows * stroke.rms_residual ** 2);  // a short one has its noise only
+  assert.match(await page.locator("[data-over] h3").innerText(), new RegExp(`over stroke ${telling}$`));
+  assert.equal(firstStroke, most((stroke) => stroke.rms_residual ** 2 - stroke.noise_floor ** 2), "the worst of what noise does not explain comes first");
   await page.click("[data-add=relief_valve]");
   await page.waitForSelector("[data-error]");
   assert.equal(Number(await page.locator("[data-error]").getAttribute("data-error")), foretold);
@@ -284,6 +291,8 @@ test("a model with states is drawn running by itself, each output beside its mea
     assert.ok(errors.length > 50 && errors.reduce((sum, e) => sum + e, 0) / errors.length < 0.05 * span, `${name}: ${errors.length} readings`);
     assert.ok(errors.filter((error) => error < 1.96 * noise).length > 0.9 * errors.length, `${name}: within its band of ${noise}`);
   }
+  await page.waitForSelector("[data-verdict]");
+  assert.match(await page.locator(".ranking").innerText(), /~0\.\d+[^]*~ estimated without fitting/);
 });
 
 /** Runs of a cylinder with a dry seal at constant pressures, in the layout of machines/seal_friction.toml. */
