@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, errorsOfVersions, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -243,7 +243,7 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
   await page.waitForSelector("[data-verdict=named]");
   await page.waitForSelector(".suspect [data-effect=pressure_offset]");
   assert.equal(await page.locator(".suspect").count(), 1);
-  assert.match(await page.locator(".measured li").innerText(), /Tank line.*: 0 ±\s0\.1\sbar/);
+  assert.match(await page.locator(".measured li").innerText(), /Tank line.*: 0\s±\s0\.1\sbar/);
   await assertAccessible(page, "measured");
   await page.click(".measured button:has-text('Forget')");
   await page.waitForSelector("[data-verdict=ambiguous]");
@@ -350,6 +350,12 @@ test("what to record of a machine of one's own stands in the units that its sign
   await page.goto(address);
   await page.waitForSelector(".experiment tr:has-text('p') td:has-text('bar')");
   assert.match(await page.locator(".experiment tbody").innerText(), /p[^\n]*\t1\sbar\n/);
+  await page.emulateMedia({ media: "print" });
+  assert.match(await page.locator("body").innerText(), /^seal_friction · seal_6.csv · printed [^]*What to record next[^]*Setting\tValue/, "what is recorded of which machine, and no button");
+  assert.equal(await pagesOf(page), 1, "on one sheet");
+  await page.goto(`${address}#step=check`);
+  await page.evaluate(() => document.querySelector(".experiment").remove());
+  assert.ok(await page.locator("h1:has-text('Can this log be believed?')").isVisible(), "other pages are printed as they stand");
 });
 
 test("an expression of one's own is checked while it is written, tried and added", async (t) => {
