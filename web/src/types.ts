@@ -122,7 +122,7 @@ export interface LoopChanges {
 
 export interface Ranked {
   effect: string; rms_holdout: number | null; p_value: number; testable: boolean; why_not: string | null; german?: { why_not: string }; gain: number;
-  significant?: boolean; parameters: Parameters;
+  significant?: boolean; fitted?: boolean; parameters: Parameters;
 }
 export interface Plan {
   strokes: number; speeds?: number[]; pressures?: number[]; rod_pressures?: number[]; warm_up?: number; seconds: number;

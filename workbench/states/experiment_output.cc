@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/short_number.h"
 #include "diagnosis/experiment/rival_separation.h"
 
 namespace hydroscope {
@@ -119,9 +120,9 @@ std::string RecordTable(const StatesExplained& e) {
   std::string text = fmt::format("\nWhat to record, best first\n  {:>10} {:>9}  {}\n",
                                  rivals ? "separation" : "std error", "s", "record");
   const auto line = [&](const TriedRecord& tried, const std::string& what) {
-    const std::string worth = rivals ? fmt::format("{:.0f}", tried.separation)
-                                     : fmt::format("{:.2g} %", 100 * tried.standard_error);
-    text += fmt::format("  {:>10} {:>9.3g}  {}\n", worth, tried.seconds, what);
+    const std::string worth =
+        rivals ? fmt::format("{:.0f}", tried.separation) : ShortNumber(100 * tried.standard_error, 2) + " %";
+    text += fmt::format("  {:>10} {:>9}  {}\n", worth, ShortNumber(tried.seconds), what);
   };
   for (std::size_t k = 0; k < std::min(kShown, x.tried.size()); ++k)
     line(x.tried[k], Moved(e, x.tried[k]).english);

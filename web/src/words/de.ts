@@ -233,6 +233,7 @@ export const de: Words = {
   rankingError: "Fehler",
   rankingSize: "Größe, ± 95 %",
   rankingStands: "sticht heraus",
+  rankingLinear: "geschätzt, ohne das Modell neu anzupassen; angepasste stehen zuerst",
   rankingMore: "Alle {count} zeigen",
   rankingNone: "Kein Effekt ließ sich versuchen.",
   untestable: "Mit diesen <Hüben|Episoden> nicht prüfbar",

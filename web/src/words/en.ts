@@ -232,6 +232,7 @@ export const en = {
   rankingError: "Error",
   rankingSize: "Size, ± 95 %",
   rankingStands: "stands out",
+  rankingLinear: "estimated without fitting the model anew; those fitted stand first",
   rankingMore: "Show all {count}",
   rankingNone: "No effect could be tried.",
   untestable: "Cannot be tested with these <strokes|episodes>",
