@@ -10,7 +10,6 @@
 #include "core/interval_text.h"
 #include "core/shown_width.h"
 #include "core/units.h"
-#include "models/effect.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
