@@ -10,8 +10,8 @@ Result<bool> ActOnAlarm(AlarmJournal& journal, const std::string& machine, const
                         double wall, const AlarmAction& action) {
   bool changed = false;
   const Status stored = journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
-    const auto known = std::find_if(axis.alarms.begin(), axis.alarms.end(),
-                                    [&](const AlarmState& state) { return state.id == alarm; });
+    const auto known =
+        std::ranges::find_if(axis.alarms, [&](const AlarmState& state) { return state.id == alarm; });
     if (known == axis.alarms.end())
       return BadInput("the journal knows no alarm \"{}\" of \"{}\"", alarm, machine);
     auto events = action(*known, {kNaN, wall, known->last_stroke, kNaN, 0, 0});

@@ -41,8 +41,7 @@ AlarmMetrics MeasureAlarms(std::span<const JournalRow> rows, std::span<const Ala
   for (const AlarmState& state : states)
     if (state.active && now - state.raised_wall > kDay) metrics.stale.push_back(state.id);
   metrics.top.assign(counts.begin(), counts.end());
-  std::stable_sort(metrics.top.begin(), metrics.top.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(metrics.top, [](const auto& a, const auto& b) { return a.second > b.second; });
   if (metrics.top.size() > kTop) metrics.top.resize(kTop);
   return metrics;
 }

@@ -15,7 +15,7 @@ bool IsJudged(const Health& axis) {
 Health JudgePressHealth(const std::vector<AlarmState>& alarms, const ServiceTrouble& trouble,
                         const std::vector<Health>& axes) {
   Health health = JudgePressHealth(alarms, trouble);
-  const bool any_judged = axes.empty() || std::any_of(axes.begin(), axes.end(), IsJudged);
+  const bool any_judged = axes.empty() || std::ranges::any_of(axes, IsJudged);
   if (any_judged || health.state >= HealthState::kFunctionCheck) return health;
   health.state = HealthState::kFunctionCheck;
   health.reason = HealthReason::kLearning;

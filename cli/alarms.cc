@@ -14,8 +14,6 @@
 #include "core/counted_words.h"
 #include "core/printable.h"
 #include "core/time_text.h"
-#include "core/units.h"
-#include "host/output.h"
 #include "host/real_clock.h"
 #include "live/service_socket.h"
 #include "monitor/alarm_json.h"
@@ -65,8 +63,7 @@ Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const Alarm
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());
   // A journal that nothing ever came into knows no machine, and none of them has an alarm.
-  if (!a.machine.empty() && !machines->empty() &&
-      std::find(machines->begin(), machines->end(), a.machine) == machines->end())
+  if (!a.machine.empty() && !machines->empty() && std::ranges::find(*machines, a.machine) == machines->end())
     return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(*machines, ", "));
   std::vector<Listed> alarms;
   for (const std::string& machine : *machines) {
@@ -143,8 +140,8 @@ enum class Which { kStanding, kKnown };
 /// The alarm meant by a number of the list, by "machine/alarm" or by an id that only one machine has; by name
 /// one that is at rest too, if `which` says so.
 Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which which) {
-  const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(),
-                                                      [](char c) { return c >= '0' && c <= '9'; });
+  const bool number =
+      !a.alarm.empty() && std::ranges::all_of(a.alarm, [](char c) { return c >= '0' && c <= '9'; });
   const auto alarms =
       number || which == Which::kStanding ? ListedAlarms(journal, a) : KnownAlarms(journal, a);
   if (!alarms) return tl::unexpected(alarms.error());

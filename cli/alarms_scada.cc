@@ -119,9 +119,7 @@ Result<Seen> Look(ScadaClient& client) {
 }
 
 std::string AxisName(const Seen& seen, int axis) {
-  return axis < 1 || axis > static_cast<int>(seen.axes.size())
-             ? "-"
-             : seen.axes[static_cast<std::size_t>(axis - 1)].name;
+  return axis < 1 || axis > static_cast<int>(seen.axes.size()) ? "-" : seen.axes[axis - 1].name;
 }
 
 void Print(const Seen& seen, const std::string& endpoint) {

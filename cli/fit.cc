@@ -3,7 +3,6 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "host/output.h"
 #include "workbench/fit_log.h"
 #include "workbench/fit_output.h"
 #include "workbench/states/states_output.h"

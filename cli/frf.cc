@@ -4,11 +4,9 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "cli/frequency_response/loop_bode.h"
-#include "cli/frequency_response/valve_bode.h"
+#include "cli/frequency_response/measured_bode.h"
 #include "host/output.h"
 #include "host/text_sink.h"
-#include "models/machine_kind.h"
 #include "workbench/frequency_response/loop_output.h"
 #include "workbench/frequency_response/valve_output.h"
 

@@ -2,7 +2,6 @@
 
 #include <sstream>
 
-#include "host/output.h"
 #include "host/wrapped_text.h"
 
 namespace hydroscope {

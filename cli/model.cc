@@ -6,7 +6,6 @@
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
-#include "host/output.h"
 #include "host/real_clock.h"
 #include "workbench/model/model_change.h"
 #include "workbench/model/model_edit.h"

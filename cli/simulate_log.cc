@@ -44,7 +44,7 @@ struct SentSignal {
 Result<int> AxisNamed(const Machine& machine, const std::string& name) {
   const auto& axes = machine.live->axes;
   if (name.empty()) return 0;
-  const auto found = std::find(axes.begin(), axes.end(), name);
+  const auto found = std::ranges::find(axes, name);
   if (found == axes.end())
     return UsageError("--axis {}: the machine file has {}", name,
                       axes.empty() ? "no axes with names" : fmt::format("{}", fmt::join(axes, ", ")));

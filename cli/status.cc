@@ -2,11 +2,13 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/json_value.h"
 #include "core/printable.h"
 #include "host/output.h"
 #include "live/live_status.h"
@@ -23,8 +25,8 @@ struct StatusArguments {
 };
 
 /// A value with its 95 % interval; "-" if there is none.
-std::string Interval(double value, double std) {
-  return std::isfinite(value) ? WithInterval(value, kNormal95 * std) : "-";
+std::string Interval(const ValueWithStd& f) {
+  return std::isfinite(f.value) ? WithInterval(f.value, kNormal95 * f.std) : "-";
 }
 
 /// The history of valve checks, from the database; no service is needed.
@@ -41,31 +43,30 @@ Result<ExitCode> RunValveChecks(const StatusArguments& a) {
     if (!machine) return tl::unexpected(machine.error());
     const auto checks = database->ValveChecks(*machine);
     if (!checks) return tl::unexpected(checks.error());
-    for (const ValveCheckRecord& c : *checks) {
-      std::string conditions = c.detail;
+    for (const ValveCheckRecord& record : *checks) {
+      const ValveCheck& c = record.check;
+      std::string conditions = record.detail;
       if (std::isfinite(c.supply_pressure))
         conditions = fmt::format("amplitude {:.3g}, supply {:.1f} bar, oil {:.1f} degC; {}", c.amplitude,
-                                 c.supply_pressure * 1e-5, c.oil_temperature - 273.15, c.detail);
-      text += fmt::format("{:<22} {:>13.1f} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", name, c.begin,
-                          c.outcome, Interval(c.bandwidth, c.bandwidth_std),
-                          Interval(c.damping, c.damping_std), Interval(c.gain, c.gain_std),
-                          Interval(c.dead_time * 1e3, c.dead_time_std * 1e3), conditions);
+                                 c.supply_pressure * 1e-5, c.oil_temperature - 273.15, record.detail);
+      const ValueWithStd milliseconds{c.dead_time.value * 1e3, c.dead_time.std * 1e3};
+      text += fmt::format("{:<22} {:>13.1f} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", name, c.time,
+                          record.outcome, Interval(c.bandwidth), Interval(c.damping), Interval(c.gain),
+                          Interval(milliseconds), conditions);
       nlohmann::json check = {
-          {"axis", name}, {"time_s", c.begin}, {"outcome", c.outcome}, {"detail", c.detail}};
-      for (const auto& [key, value] : {std::pair{"f0_hz", c.f0},
-                                       {"f0_std_hz", c.f0_std},
-                                       {"damping", c.damping},
-                                       {"damping_std", c.damping_std},
-                                       {"gain", c.gain},
-                                       {"gain_std", c.gain_std},
-                                       {"dead_time_s", c.dead_time},
-                                       {"dead_time_std_s", c.dead_time_std},
-                                       {"bandwidth_hz", c.bandwidth},
-                                       {"bandwidth_std_hz", c.bandwidth_std},
-                                       {"amplitude", c.amplitude},
-                                       {"supply_pressure", c.supply_pressure},
-                                       {"oil_temperature", c.oil_temperature}})
-        check[key] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+          {"axis", name}, {"time_s", c.time}, {"outcome", record.outcome}, {"detail", record.detail}};
+      const auto put = [&](const std::string& key, double value) { check[key] = JsonNumber(value); };
+      for (const auto& [figure, unit, value] : {std::tuple("f0", "_hz", c.natural_frequency),
+                                                {"damping", "", c.damping},
+                                                {"gain", "", c.gain},
+                                                {"dead_time", "_s", c.dead_time},
+                                                {"bandwidth", "_hz", c.bandwidth}}) {
+        put(fmt::format("{}{}", figure, unit), value.value);
+        put(fmt::format("{}_std{}", figure, unit), value.std);
+      }
+      put("amplitude", c.amplitude);
+      put("supply_pressure", c.supply_pressure);
+      put("oil_temperature", c.oil_temperature);
       list.push_back(std::move(check));
     }
   }

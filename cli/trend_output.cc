@@ -10,6 +10,7 @@
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/json_text.h"
+#include "core/json_value.h"
 #include "core/printable.h"
 #include "core/shown_width.h"
 #include "core/time_text.h"
@@ -158,10 +159,6 @@ std::string CsvRow(const std::string& machine, const TrendPoint& p) {
                      Number(p.time), Field(e.parameter), Number(e.value), Number(e.std), Field(e.unit),
                      Number(Celsius(p.oil_temperature)), ReasonName(e.reason), Number(e.excitation),
                      Number(e.last_excited));
-}
-
-nlohmann::json JsonNumber(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
 nlohmann::json PointJson(const TrendPoint& p) {

@@ -42,7 +42,7 @@ Result<std::vector<std::string>> NamedOrAll(const TrendsArguments& a, const Data
     return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
                     a.db, a.db);
   if (!a.machine.empty()) {
-    if (std::find(names->begin(), names->end(), a.machine) == names->end())
+    if (std::ranges::find(*names, a.machine) == names->end())
       return BadInput("{} has no machine \"{}\"; it holds: {}{}", a.db, a.machine, Listed(*names),
                       DidYouMean(a.machine, *names));
     return std::vector<std::string>{a.machine};

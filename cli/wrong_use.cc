@@ -6,6 +6,7 @@
 #include <cctype>
 #include <vector>
 
+#include "core/contains.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -48,9 +49,8 @@ std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) 
     if (word.starts_with("--")) {
       const std::string name = word.substr(0, word.find('='));
       const std::vector<std::string> options = OptionsOf(*at);
-      if (std::find(options.begin(), options.end(), name) == options.end())
-        return sentence("option", name, options);
-    } else if (std::find(commands.begin(), commands.end(), word) != commands.end()) {
+      if (!Contains(options, name)) return sentence("option", name, options);
+    } else if (Contains(commands, word)) {
       at = at->get_subcommand(word);
     } else if (!commands.empty() && !word.starts_with("-") && !TakesAValue(*at, argv[k - 1])) {
       return sentence(at == &app ? "command" : at->get_name() + " command", word, commands);
@@ -109,9 +109,8 @@ const CLI::Option* OptionIn(const CLI::App& command, const std::string& message)
 
 bool IsWhole(const std::string& number) {
   const std::size_t digits = number.starts_with('-') ? 1 : 0;
-  return number.size() > digits &&
-         std::all_of(number.begin() + static_cast<std::ptrdiff_t>(digits), number.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
+  return number.size() > digits && std::all_of(number.begin() + digits, number.end(),
+                                               [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
 /// "--port 99999: expected a whole number from 0 to 65535", or the parser's own words where nothing better is known.

@@ -24,7 +24,7 @@ double Quantile(std::vector<double> values, double share, double none) {
 double Median(std::vector<double> values, double none) {
   KeepNumbers(values);
   if (values.empty()) return none;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;

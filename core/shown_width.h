@@ -8,8 +8,7 @@ namespace hydroscope {
 
 /// Columns of a terminal that a text takes: bytes that go on with a character (UTF-8) do not count.
 inline std::size_t ShownWidth(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 /// Widest line that the program prints where it can.

@@ -8,7 +8,7 @@ namespace hydroscope {
 
 Told TellNumber(std::string number) {
   Told told = UnitTold(number);
-  std::replace(told.german.begin(), told.german.end(), '.', ',');
+  std::ranges::replace(told.german, '.', ',');
   return told;
 }
 

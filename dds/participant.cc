@@ -28,6 +28,7 @@
 #include <mutex>
 #include <set>
 
+#include "core/contains.h"
 #include "core/secret_file.h"
 #include "dds/shared_memory.h"
 #include "dds/steady_waits.h"
@@ -104,7 +105,7 @@ Status CheckAddresses(const DdsNetwork& network) {
   }
   const std::vector<std::string> own = OwnAddresses();
   for (const std::string& wanted : network.interfaces)
-    if (std::find(own.begin(), own.end(), wanted) == own.end())
+    if (!Contains(own, wanted))
       return BadInput("[{}] interfaces: this computer has no address {}; it has {}", network.section, wanted,
                       fmt::format("{}", fmt::join(own, ", ")));
   return {};

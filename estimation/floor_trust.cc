@@ -202,23 +202,23 @@ FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<S
   std::vector<double> std(model.channel_source.size(), 0.0), white = std;
   std::vector<SignalNoise> judged;
   for (const int channel : channels) {
-    const SignalSpec& spec = machine.signals[static_cast<std::size_t>(model.channel_source[channel])];
+    const SignalSpec& spec = machine.signals[model.channel_source[channel]];
     std::vector<SignalRuns> runs;
     for (const auto& stroke : strokes) runs.push_back(RunsOf(stroke, channel));
     judged.push_back(JudgeSignalNoise(spec.name, UnitOf(spec), runs, window.period,
                                       spec.noise_std.value_or(kUnstated), options.signal));
-    std[static_cast<std::size_t>(channel)] = judged.back().std;
-    white[static_cast<std::size_t>(channel)] = WhiteStd(judged.back());
+    std[channel] = judged.back().std;
+    white[channel] = WhiteStd(judged.back());
   }
   const std::vector<double> shares = SharesOf(model, strokes, window, theta, std, white);
   const std::vector<double> as_noise = SharesOf(model, strokes, window, theta, std, std);
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    judged[k].share = shares[static_cast<std::size_t>(channels[k])];
-    DoubtMotion(options.floor_excess, judged[k], as_noise[static_cast<std::size_t>(channels[k])], trust);
+    judged[k].share = shares[channels[k]];
+    DoubtMotion(options.floor_excess, judged[k], as_noise[channels[k]], trust);
     if (judged[k].share > 0) trust.signals.push_back(std::move(judged[k]));
   }
-  std::stable_sort(trust.signals.begin(), trust.signals.end(),
-                   [](const SignalNoise& a, const SignalNoise& b) { return a.share > b.share; });
+  std::ranges::stable_sort(trust.signals,
+                           [](const SignalNoise& a, const SignalNoise& b) { return a.share > b.share; });
   Conclude(options.floor_excess, trust);
   if (!trust.believable) trust.may_be_noise = {};
   return trust;

@@ -52,7 +52,7 @@ StrokeOperation OperationOf(const StrokeGram& gram, std::span<const int> columns
   StrokeOperation out{gram.log, Eigen::VectorXd(static_cast<Eigen::Index>(columns.size()))};
   const double windows = static_cast<double>(std::max<std::int64_t>(1, gram.windows));
   for (std::size_t i = 0; i < columns.size(); ++i)
-    out.level[static_cast<Eigen::Index>(i)] = std::sqrt(gram.flow(columns[i], columns[i]) / windows);
+    out.level[i] = std::sqrt(gram.flow(columns[i], columns[i]) / windows);
   return out;
 }
 
@@ -222,7 +222,7 @@ double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> colu
 
 Told WhyNotSolved(const ModelStructure& model, std::span<const StrokeGram> strokes,
                   const WindowSamples& window) {
-  if (std::all_of(strokes.begin(), strokes.end(), [](const StrokeGram& gram) { return gram.blocks == 0; }))
+  if (std::ranges::all_of(strokes, [](const StrokeGram& gram) { return gram.blocks == 0; }))
     return Tell(
         "gaps, repeated rows and bad values cut the log into pieces shorter than the {:.3g} s that an equation needs: see "
         "'hydroscope check', and record without them",
@@ -287,7 +287,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   const std::vector<int> own = OwnParameters(derived, fit.theta);
   const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
   for (std::size_t i = 0; i < derived.size(); ++i) {
-    const double random = spread_known ? stds[static_cast<Eigen::Index>(i)] : kInfinity;
+    const double random = spread_known ? stds[i] : kInfinity;
     Estimate estimate;
     estimate.parameter = derived[i].name;
     estimate.value = derived[i].value;

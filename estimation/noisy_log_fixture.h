@@ -52,7 +52,7 @@ struct JudgedLog {
   }
   /// The machine file states the noise of a signal, SI.
   Machine& Stating(const char* signal, double noise) {
-    machine.signals[static_cast<std::size_t>(machine.SignalIndex(signal))].noise_std = noise;
+    machine.signals[machine.SignalIndex(signal)].noise_std = noise;
     return machine;
   }
 };
@@ -66,8 +66,8 @@ inline JudgedLog LogWith(std::uint64_t seed, const NoiseOfSensor& noise, double 
   RandomStream random(seed + 1000);
   JudgedLog out;
   out.machine.gate.bounds = {{"y_v", false, 0.04, std::nullopt}, {"z", true, std::nullopt, -0.004}};
-  out.machine.signals[static_cast<std::size_t>(out.machine.SignalIndex("p_A"))].unit = "Pa";
-  out.machine.signals[static_cast<std::size_t>(out.machine.SignalIndex("z"))].unit = "m";
+  out.machine.signals[out.machine.SignalIndex("p_A")].unit = "Pa";
+  out.machine.signals[out.machine.SignalIndex("z")].unit = "m";
   out.model = *BuildModel(out.machine);
   const double period = 0.002 * every;
   out.window = WindowSamples::From(WindowSpec{}, period);

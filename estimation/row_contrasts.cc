@@ -148,7 +148,7 @@ double RowContrasts::Energy(int octave, bool quiet_only) const {
   double sum = 0, count = 0;
   for (const Window& w : windows_) {
     if (quiet_only && !Quiet(w)) continue;
-    sum += w.energy[static_cast<std::size_t>(octave)];
+    sum += w.energy[octave];
     count += 1;
   }
   return count > 0 ? sum / count : 0.0;
@@ -158,15 +158,14 @@ EnergyRatio RowContrasts::OverRows(int octave) const {
   std::vector<Sums> chunks(chunks_);
   for (std::size_t k = 0; k < windows_.size(); ++k)
     if (Quiet(windows_[k]))
-      chunks[k * chunks_ / windows_.size()].Add(
-          {windows_[k].energy[static_cast<std::size_t>(octave)], windows_[k].energy[0], 1, 1}, 1);
+      chunks[k * chunks_ / windows_.size()].Add({windows_[k].energy[octave], windows_[k].energy[0], 1, 1}, 1);
   return RatioOf(std::move(chunks));
 }
 
 EnergyRatio RowContrasts::OverQuiet(int octave) const {
   std::vector<Sums> chunks(chunks_);
   for (std::size_t k = 0; k < windows_.size(); ++k) {
-    const double energy = windows_[k].energy[static_cast<std::size_t>(octave)];
+    const double energy = windows_[k].energy[octave];
     const bool quiet = Quiet(windows_[k]);
     chunks[k * chunks_ / windows_.size()].Add({energy, quiet ? energy : 0.0, 1, quiet ? 1.0 : 0.0}, 1);
   }

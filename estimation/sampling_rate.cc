@@ -34,7 +34,7 @@ Stretch EveryRow(const Stretch& s, int every) {
   for (std::size_t c = 0; c < s.channel.size(); ++c) {
     std::vector<double>& to = out.channel.emplace_back(static_cast<std::size_t>(rows));
     const double* from = s[static_cast<int>(c)];
-    for (int k = 0; k < rows; ++k) to[static_cast<std::size_t>(k)] = from[(k - out.before) * every];
+    for (int k = 0; k < rows; ++k) to[k] = from[(k - out.before) * every];
   }
   return out;
 }
@@ -45,7 +45,7 @@ std::vector<double> Levels(const ModelStructure& model, Stretch& stretch, const 
   std::vector<double> sum(static_cast<std::size_t>(stretch.samples), 0.0), filled(sum.size());
   for (int c = 0; c <= model.base_count; ++c) {
     double state = 0, level = 0;
-    model.columns[static_cast<std::size_t>(c)].fill(stretch, state, filled);
+    model.columns[c].fill(stretch, state, filled);
     for (std::size_t k = 0; k < sum.size(); ++k) {
       sum[k] += weights[c] * (model.level_form ? filled[k] : level);
       level += filled[k];
@@ -99,7 +99,7 @@ RowDifferences DifferencesOf(const ModelStructure& model, const Stretch& stretch
   std::array<std::vector<double>, 3> levels;
   for (int o = 0; o < 3; ++o) {
     Stretch thinned = EveryRow(stretch, 1 << o);
-    levels[static_cast<std::size_t>(o)] = Levels(model, thinned, weights);
+    levels[o] = Levels(model, thinned, weights);
   }
   RowDifferences out;
   for (std::size_t k = 0; k < levels[2].size(); ++k) {
@@ -134,8 +134,7 @@ class RateJudge {
     Stretch all = stretch;
     const Eigen::VectorXd output = Eigen::VectorXd::Unit(model_.base_count + 1, model_.base_count);
     const std::vector<double> levels = Levels(model_, all, output);
-    sums_.output +=
-        windows_.Energy(samples, stretch.period, [&](int k) { return levels[static_cast<std::size_t>(k)]; });
+    sums_.output += windows_.Energy(samples, stretch.period, [&](int k) { return levels[k]; });
     sums_.windows += windows_.Count(samples);
   }
   const RateSums& sums() const { return sums_; }

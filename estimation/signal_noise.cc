@@ -28,11 +28,11 @@ struct ReadingSteps {
     if (pairs == 0) return out;
     out.repeated = 1.0 - static_cast<double>(steps.size()) / static_cast<double>(pairs);
     if (steps.empty()) return out;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    const auto middle = steps.begin() + steps.size() / 2;
     std::nth_element(steps.begin(), middle, steps.end());
     out.median = *middle;
     // Rounding of decimal numbers makes tiny differences of differences; a step is one that is reached.
-    out.smallest = *std::min_element(steps.begin(), steps.end());
+    out.smallest = *std::ranges::min_element(steps);
     return out;
   }
   /// A resolution, and not readings that are held: noise moves a coarse reading by one step or two, seldom by three.
@@ -67,7 +67,7 @@ struct Corners {
     if (readings > 0) out.straight = static_cast<double>(straight) / static_cast<double>(readings);
     if (bends.empty()) return out;
     out.reversals = static_cast<double>(turns) / static_cast<double>(bends.size());
-    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+    const auto middle = bends.begin() + bends.size() / 2;
     std::nth_element(bends.begin(), middle, bends.end());
     out.median = *middle;
     return out;

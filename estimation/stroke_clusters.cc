@@ -29,7 +29,7 @@ std::optional<StrokeClusters> Numbered(ClusterUnit unit, const std::vector<int>&
   StrokeClusters out{unit, std::vector<int>(labels.size(), -1), 0, level};
   std::vector<int> seen;
   for (std::size_t s = 0; s < labels.size(); ++s) {
-    const auto at = std::find(seen.begin(), seen.end(), labels[s]);
+    const auto at = std::ranges::find(seen, labels[s]);
     out.of[s] = static_cast<int>(at - seen.begin());
     if (at == seen.end()) seen.push_back(labels[s]);
   }
@@ -63,7 +63,7 @@ std::optional<StrokeClusters> ByTime(std::span<const StrokeOperation> operations
 Order ByValue(std::span<const StrokeOperation> operations, int level) {
   Order order(operations.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return operations[a].level[level] < operations[b].level[level];
   });
   return order;
@@ -103,7 +103,7 @@ std::vector<StrokeClusters> Candidates(std::span<const StrokeOperation> operatio
   std::vector<StrokeClusters> out;
   const auto add = [&](std::optional<StrokeClusters> clusters) {
     if (!clusters) return;
-    if (std::none_of(out.begin(), out.end(), [&](const auto& known) { return known.of == clusters->of; }))
+    if (std::ranges::none_of(out, [&](const auto& known) { return known.of == clusters->of; }))
       out.push_back(std::move(*clusters));
   };
   add(ByLog(operations));
@@ -141,7 +141,7 @@ class GroupVariance {
   Eigen::VectorXd operator()(const Eigen::MatrixXd& scores) const {
     const int count = static_cast<int>(without_.size());
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(scores.rows(), count);
-    for (std::size_t s = 0; s < of_.size(); ++s) sums.col(of_[s]) += scores.col(static_cast<Eigen::Index>(s));
+    for (std::size_t s = 0; s < of_.size(); ++s) sums.col(of_[s]) += scores.col(s);
     const Eigen::VectorXd total = sums.rowwise().sum();
     Eigen::MatrixXd replicas(scores.rows(), count);
     for (int g = 0; g < count; ++g) replicas.col(g) = without_[g] * (total - sums.col(g));
@@ -185,7 +185,7 @@ class VarianceRatios {
 
   bool empty() const { return groups_.empty(); }
   int size() const { return static_cast<int>(groups_.size()); }
-  std::size_t candidate(int k) const { return candidate_[static_cast<std::size_t>(k)]; }
+  std::size_t candidate(int k) const { return candidate_[k]; }
 
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& scores) const {
     const Eigen::ArrayXd by_stroke = single_(scores).array().max(1e-300);
@@ -229,7 +229,7 @@ Eigen::VectorXd StandsOutBy(const Eigen::MatrixXd& measured, const std::vector<E
   const Eigen::ArrayXXd spread = square.sqrt().max(1e-9);
   std::vector<double> largest;
   for (const Eigen::MatrixXd& d : drawn) largest.push_back(((d.array() - mean) / spread).maxCoeff());
-  std::sort(largest.begin(), largest.end());
+  std::ranges::sort(largest);
   const double limit = largest[static_cast<std::size_t>(std::ceil((1 - kFalseAlarm) * (count + 1))) - 1];
   return (((measured.array() - mean) / spread).colwise().maxCoeff() - limit).matrix().transpose();
 }
@@ -296,7 +296,7 @@ StrokeClusters FindStrokeClusters(std::span<const NormalEquations> strokes,
   if (ratios.empty()) return none;
   Eigen::MatrixXd scores(theta.size(), static_cast<Eigen::Index>(scaled.size()));
   for (std::size_t s = 0; s < scaled.size(); ++s)
-    scores.col(static_cast<Eigen::Index>(s)) = scaled[s].g - scaled[s].h * theta.cwiseQuotient(scale);
+    scores.col(s) = scaled[s].g - scaled[s].h * theta.cwiseQuotient(scale);
   const Eigen::MatrixXd measured = ratios(scores);
   const Eigen::VectorXd beyond = StandsOutBy(measured, DrawnRatios(ratios, scores));
   double widest = 0;

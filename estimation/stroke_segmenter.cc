@@ -34,7 +34,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
     const int signal = machine.SignalIndex(bound.signal);
     if (signal < 0) continue;  // BuildModel and the loader refuse unknown signals
     needed_[signal] = true;
-    auto slot = std::find(gate_signal_.begin(), gate_signal_.end(), signal);
+    auto slot = std::ranges::find(gate_signal_, signal);
     if (slot == gate_signal_.end()) slot = gate_signal_.insert(slot, signal);
     bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate, bound.magnitude,
                        bound.min.value_or(-kInfinity), bound.max.value_or(kInfinity)});
@@ -113,7 +113,7 @@ void StrokeSegmenter::TakeGoodRows(const SampleBlock& block, std::size_t first, 
 void StrokeSegmenter::Fill(const SampleBlock& block, std::size_t first, int count) {
   if (rows_in_block_ == 0) {
     filling_.begin = block.time[first];
-    std::fill(filling_.mean.begin(), filling_.mean.end(), 0.0);
+    std::ranges::fill(filling_.mean, 0.0);
   }
   for (std::size_t c = 0; c < model_->channel_source.size(); ++c) {
     const int signal = model_->channel_source[c];

@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "core/constants.h"
@@ -36,16 +35,15 @@ double Settle(double found, double known, std::size_t n) {
 }
 
 bool AllPositive(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
+  return std::ranges::all_of(values, [](double v) { return std::isfinite(v) && v > 0; });
 }
 
 /// Weights about 1, from the stated standard deviations; one suspiciously certain value must not rule the fit.
 Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(n);
   if (std.size() != n || !AllPositive(std)) return weights;
   const double typical = Median(std, kNaN);
-  for (std::size_t i = 0; i < n; ++i)
-    weights(static_cast<Eigen::Index>(i)) = typical / std::max(std[i], typical / 2);
+  for (std::size_t i = 0; i < n; ++i) weights(i) = typical / std::max(std[i], typical / 2);
   return weights;
 }
 
@@ -102,8 +100,7 @@ Leftover LeftBy(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, ChangeShape 
 /// A constant and a straight line over the number of a value.
 Eigen::MatrixXd Line(std::size_t n) {
   Eigen::MatrixXd x(n, 2);
-  x << Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n)),
-      Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -1, 1);
+  x << Eigen::VectorXd::Ones(n), Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -1, 1);
   return x;
 }
 
@@ -119,12 +116,11 @@ Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
 double TrimmedMeanSquare(const std::vector<double>& differences) {
   std::vector<double> squares;
   for (const double difference : differences) squares.push_back(difference * difference);
-  std::sort(squares.begin(), squares.end());
+  std::ranges::sort(squares);
   const std::size_t kept = squares.size() - squares.size() / 20;
   const double share = static_cast<double>(kept) / static_cast<double>(squares.size());
   const double left = kept == squares.size() ? 1 : ChiSquaredBelow(ChiSquaredQuantile(share, 1), 3) / share;
-  const double sum =
-      std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0);
+  const double sum = std::accumulate(squares.begin(), squares.begin() + kept, 0.0);
   return sum / static_cast<double>(kept) / left;
 }
 
@@ -187,7 +183,7 @@ Significance SignificanceOf(const TestedValue& tested) {
 
 void AdjustForFamily(const std::vector<double*>& family) {
   std::vector<double*> sorted = family;
-  std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return *a < *b; });
+  std::ranges::sort(sorted, [](const double* a, const double* b) { return *a < *b; });
   double largest = 0;
   for (std::size_t k = 0; k < sorted.size(); ++k) {
     largest = std::max(largest, std::min(1.0, *sorted[k] * static_cast<double>(sorted.size() - k)));
@@ -199,7 +195,7 @@ double CorrelatedFit::JointP(std::size_t first) const {
   const auto p = static_cast<Eigen::Index>(coefficients.size()), from = static_cast<Eigen::Index>(first);
   if (p <= from) return 1;
   Eigen::VectorXd tested(p - from);
-  for (Eigen::Index j = from; j < p; ++j) tested(j - from) = coefficients[static_cast<std::size_t>(j)].value;
+  for (Eigen::Index j = from; j < p; ++j) tested(j - from) = coefficients[j].value;
   const Eigen::Map<const Eigen::MatrixXd> all(covariance.data(), p, p);
   const double f = tested.dot(SymmetricFactor(all.bottomRightCorner(p - from, p - from)).Solve(tested)) /
                    static_cast<double>(p - from);
@@ -220,8 +216,7 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   const auto n = static_cast<Eigen::Index>(y.size()), p = static_cast<Eigen::Index>(x.size());
   if (n < p + 3) return {};
   Eigen::MatrixXd rows(n, p + 1);
-  for (Eigen::Index j = 0; j < p; ++j)
-    rows.col(j) = Eigen::Map<const Eigen::VectorXd>(x[static_cast<std::size_t>(j)].data(), n);
+  for (Eigen::Index j = 0; j < p; ++j) rows.col(j) = Eigen::Map<const Eigen::VectorXd>(x[j].data(), n);
   rows.col(p) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
   rows = RowWeights(std, y.size()).asDiagonal() * rows;
 
@@ -267,11 +262,11 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.correlation = Settle(left.Correlation(line.cols()), least_correlation, y.size());
   const double scatter = TrimmedMeanSquare(Differences(y)) / (2 * (1 - result.correlation));
   const auto variance_of = [&](std::size_t begin) {
-    const double stated = std.size() == y.size()
-                              ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
-                                        std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)},
-                                       kNaN)
-                              : 0;
+    const double stated =
+        std.size() == y.size()
+            ? Median({std.begin() + begin, std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)},
+                     kNaN)
+            : 0;
     const double one_value = std::max(scatter, std::isfinite(stated) ? stated * stated : 0);
     return one_value / std::max(1.0, EffectiveCount(result.count, result.correlation));
   };

@@ -74,7 +74,7 @@ std::string WrappedText(std::string_view text, std::size_t width) {
     if (end == text.size()) out.pop_back();
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  std::replace(out.begin(), out.end(), kKeptBlank, ' ');
+  std::ranges::replace(out, kKeptBlank, ' ');
   return out;
 }
 

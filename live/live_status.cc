@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/counted_words.h"
+#include "core/json_value.h"
 #include "core/printable.h"
 #include "core/time_text.h"
 #include "core/units.h"
@@ -17,8 +19,6 @@ namespace hydroscope {
 namespace {
 
 using nlohmann::json;
-
-json Number(double value) { return std::isfinite(value) ? json(value) : json(); }
 
 json CountersJson(const AlignerCounters& c) {
   return {{"rows", c.rows},
@@ -44,7 +44,7 @@ json SourceJson(const SourceStatus& s, double age) {
           {"connected", s.connected},
           {"state", s.state.english},
           {"german", {{"state", s.state.german}}},
-          {"age_s", Number(age)},
+          {"age_s", JsonNumber(age)},
           {"batches", s.batches},
           {"rows", s.rows},
           {"lost_rows", s.lost_rows},
@@ -62,7 +62,7 @@ json StreamJson(const StreamState& s) {
           {"channels", s.channels},
           {"period_s", s.period},
           {"batches", s.batches},
-          {"clock_offset_s", s.has_clock ? Number(s.clock_offset) : json()},
+          {"clock_offset_s", s.has_clock ? JsonNumber(s.clock_offset) : json()},
           {"drift_ppm", s.drift * 1e6},
           {"delay_s", s.delay},
           {"worst_delay_s", s.worst_delay}};
@@ -70,27 +70,33 @@ json StreamJson(const StreamState& s) {
 
 json SenderJson(const SenderStatus& s) {
   return {{"source", s.id.source},   {"name", s.name},
-          {"session", s.id.session}, {"age_s", Number(s.age)},
+          {"session", s.id.session}, {"age_s", JsonNumber(s.age)},
           {"rows", s.rows},          {"refused_rows", s.refused_rows},
           {"channels", s.channels},  {"refused_channels", s.refused}};
 }
 
 json ChannelJson(const ChannelStatus& c) {
-  return {{"name", c.name},         {"unit", c.unit},           {"rate_hz", c.rate},
-          {"age_s", Number(c.age)}, {"value", Number(c.value)}, {"noise_std", Number(c.noise_std)},
-          {"flagged", c.flagged},   {"stale", c.stale},         {"senders", c.senders}};
+  return {{"name", c.name},
+          {"unit", c.unit},
+          {"rate_hz", c.rate},
+          {"age_s", JsonNumber(c.age)},
+          {"value", JsonNumber(c.value)},
+          {"noise_std", JsonNumber(c.noise_std)},
+          {"flagged", c.flagged},
+          {"stale", c.stale},
+          {"senders", c.senders}};
 }
 
 json AxisJson(const AxisStatus& a) {
   json estimates = json::object();
   for (const Estimate& e : a.estimates)
-    estimates[e.parameter] = {{"value", Number(e.value)},
-                              {"std", Number(e.std)},
+    estimates[e.parameter] = {{"value", JsonNumber(e.value)},
+                              {"std", JsonNumber(e.std)},
                               {"unit", e.unit},
                               {"reason", ReasonName(e.reason)}};
   return {{"name", a.name},
           {"strokes", a.strokes},
-          {"last_stroke_s", Number(a.last_stroke)},
+          {"last_stroke_s", JsonNumber(a.last_stroke)},
           {"estimates", estimates},
           {"counters", CountersJson(a.counters)}};
 }
@@ -126,6 +132,10 @@ json FeedJson(const FeedStatus& f) {
           {"behind", f.behind},       {"errors", f.errors}};
 }
 
+std::string Word(const json& object, const char* key) { return object.at(key).get<std::string>(); }
+std::int64_t Count(const json& object, const char* key) { return object.at(key).get<std::int64_t>(); }
+double Real(const json& object, const char* key) { return object.at(key).get<double>(); }
+
 /// "12.3 bar"; numbers without a unit alone.
 std::string InUnit(std::string number, std::string_view unit) {
   return unit == "1" || unit.empty() ? number : number.append(" ").append(unit);
@@ -138,16 +148,13 @@ std::string Shown(const json& value, const std::string& si) {
   return InUnit(fmt::format("{:.5g}", value.get<double>() * unit.factor + unit.offset), unit.name);
 }
 
+std::string NoiseShown(const json& value, const std::string& si) {
+  if (!value.is_number()) return "-";
+  const DisplayUnit unit = DisplayUnitFor(si);
+  return InUnit(fmt::format("{:.3g}", value.get<double>() * unit.factor), unit.name);
+}
+
 std::string Age(const json& age) { return age.is_number() ? DurationText(age.get<double>()) : "never"; }
-
-std::string LastText(const json& age) {
-  return age.is_number() ? fmt::format("last {} ago", Age(age)) : "nothing came yet";
-}
-
-std::string SenderName(const json& sender) {
-  const auto name = sender.at("name").get<std::string>();
-  return name.empty() ? "a sender" : name;
-}
 
 std::string Label(const std::string& text) {
   std::string escaped;
@@ -165,10 +172,26 @@ class Metrics {
     name_ = name;
     text_ += fmt::format("# HELP hydroscope_{} {}\n# TYPE hydroscope_{} {}\n", name, help, name, type);
   }
-  void Add(double value, const std::string& labels = "") {
+  /// A sample of the metric begun last; none of a value that is not finite.
+  template <typename Number>
+  void Add(Number number, const std::string& labels = "") {
+    const auto value = static_cast<double>(number);
     if (!std::isfinite(value)) return;
     text_ += labels.empty() ? fmt::format("hydroscope_{} {}\n", name_, value)
                             : fmt::format("hydroscope_{}{{{}}} {}\n", name_, labels, value);
+  }
+  template <typename Number>
+  void One(const char* name, const char* type, const char* help, Number value) {
+    Begin(name, type, help);
+    Add(value);
+  }
+  /// One sample for each of `list`, named by `label`.
+  template <typename Named, typename ValueOf>
+  void Each(const char* name, const char* type, const char* help, const std::vector<Named>& list,
+            const char* label, const ValueOf& value_of) {
+    Begin(name, type, help);
+    for (const Named& one : list)
+      Add(std::invoke(value_of, one), fmt::format("{}=\"{}\"", label, Label(one.name)));
   }
   std::string Take() { return std::move(text_); }
 
@@ -196,18 +219,170 @@ json DriftJson(const DriftWatchStatus& drift) {
 
 std::string DriftText(const json& drift) {
   std::string text;
-  if (const auto problem = drift.at("problem").get<std::string>(); !problem.empty())
+  if (const std::string problem = Word(drift, "problem"); !problem.empty())
     text += fmt::format("PROBLEM     drift is not watched: {}\n", problem);
   for (const json& a : drift.at("axes")) {
     std::vector<std::string> alarms = a.at("alarms");
-    const auto reason = a.at("health_reason").get<std::string>();
+    const std::string reason = Word(a, "health_reason");
     const bool alarms_say_it = reason == "alarms" || reason == "judged_good";
-    text += fmt::format("health {} {}: {}{}\n", a.at("health").get<std::string>(),
-                        a.at("name").get<std::string>(),
-                        alarms_say_it ? "" : a.at("health_text").get<std::string>() + "; ",
+    text += fmt::format("health {} {}: {}{}\n", Word(a, "health"), Word(a, "name"),
+                        alarms_say_it ? "" : Word(a, "health_text") + "; ",
                         alarms.empty() ? "no alarm stands" : fmt::format("{}", fmt::join(alarms, ", ")));
   }
   return text;
+}
+
+/// What is stored, what waits, and what keeps it from being stored.
+std::string WriterText(const json& s, const std::string& counted) {
+  const json &w = s.at("writer"), &inbox = s.at("inbox");
+  const bool timed = Real(w, "latency_max_s") > 0;  // else no stroke, or a sender's clock that is no clock
+  std::string text =
+      fmt::format("writer      {}; {} {}s and {} rows stored, {} to estimate {}\n", Word(w, "state"),
+                  Count(w, "strokes"), counted, Count(w, "rows"), counted,
+                  timed ? fmt::format("p50 {:.1f} ms, p99 {:.1f} ms", Real(w, "latency_p50_s") * 1e3,
+                                      Real(w, "latency_p99_s") * 1e3)
+                        : "not known");
+  text += fmt::format("disk        {} MB free, database {} MB\n", Count(w, "free_bytes") >> 20,
+                      Count(w, "database_bytes") >> 20);
+  text += fmt::format(
+      "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; "
+      "dropped {} batches, {} rows, {} {}s\n",
+      Count(inbox, "batches"), Count(w, "waiting_items"), Count(w, "waiting_bytes") >> 10,
+      Count(inbox, "dropped_batches"), Count(w, "dropped_rows"), Count(w, "dropped_strokes"), counted);
+  for (const auto& [title, said] : {std::pair{"PROBLEM     ", Word(w, "problem")},
+                                    {"NEW DATABASE ", Word(w, "begun_anew")},
+                                    {"last reload ", Word(s, "limits")},
+                                    {"valve check ", Word(s, "valve_check")}})
+    if (!said.empty()) text += title + said + "\n";
+  return text;
+}
+
+/// Sources, the clocks of their senders, and senders that are not believed.
+std::string SourcesText(const json& s) {
+  std::string text;
+  for (const json& source : s.at("sources"))
+    text += fmt::format("source {}: {}; {}; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
+                        Printable(Word(source, "name")), Printable(Word(source, "state")),
+                        source.at("age_s").is_number() ? fmt::format("last {} ago", Age(source.at("age_s")))
+                                                       : "nothing came yet",
+                        Count(source, "rows"), Count(source, "lost_rows"), Count(source, "reconnects"),
+                        Count(source, "timeouts"), Count(source, "malformed"));
+  for (const json& stream : s.at("streams"))
+    if (stream.at("clock_offset_s").is_number())
+      text += fmt::format(
+          "sender of {} channels: clock {:+.3f} ms from ours, drift {:+.1f} ppm, "
+          "delay {:.1f} ms (worst {:.1f} ms)\n",
+          Count(stream, "channels"), -Real(stream, "clock_offset_s") * 1e3, -Real(stream, "drift_ppm"),
+          Real(stream, "delay_s") * 1e3, Real(stream, "worst_delay_s") * 1e3);
+  for (const json& sender : s.at("senders"))
+    if (const auto refused = sender.at("refused_channels").size(); refused > 0)
+      text += fmt::format(
+          "TWO SENDERS {} (session {}) is not believed: {} of its channels, {} for example, come from "
+          "another one; {} rows left out\n",
+          Printable(Word(sender, "name").empty() ? "a sender" : Word(sender, "name")),
+          sender.at("session").get<std::uint64_t>(), refused,
+          sender.at("refused_channels").front().get<std::string>(), Count(sender, "refused_rows"));
+  return text;
+}
+
+std::string FeedsText(const json& feeds) {
+  std::string text;
+  for (const json& feed : feeds)
+    text +=
+        fmt::format("feed {}: {}; {}; journal row {}, {} behind; {}\n", Printable(Word(feed, "name")),
+                    Printable(Word(feed, "state")), Counted(feed.at("clients").get<int>(), "client"),
+                    Count(feed, "delivered"), Count(feed, "behind"), Counted(Count(feed, "errors"), "error"));
+  return text;
+}
+
+std::string ChannelTable(const json& channels) {
+  std::string text = fmt::format("\n{:<22} {:>9} {:>9} {:>13} {:>13} {:>8}\n", "channel", "rate", "age",
+                                 "value", "noise", "flagged");
+  for (const json& c : channels)
+    text += fmt::format("{:<22} {:>6.0f} Hz {:>9} {:>13} {:>13} {:>8}{}\n", Word(c, "name"),
+                        Real(c, "rate_hz"), Age(c.at("age_s")), Shown(c.at("value"), Word(c, "unit")),
+                        NoiseShown(c.at("noise_std"), Word(c, "unit")), Count(c, "flagged"),
+                        c.at("stale").get<bool>() ? "  STALE" : "");
+  return text;
+}
+
+std::string AxesText(const json& axes, const std::string& counted) {
+  std::string text;
+  for (const json& a : axes) {
+    text += fmt::format("\n{}: {} {}s", Word(a, "name"), Count(a, "strokes"), counted);
+    for (const auto& [name, e] : a.at("estimates").items())
+      text += fmt::format(", {} {}", name, Shown(e.at("value"), Word(e, "unit")));
+    text += "\n ";
+    for (const auto& [name, count] : a.at("counters").items())
+      if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());
+    text += "\n";
+  }
+  return text;
+}
+
+/// Of the writer and its queues.
+void AddWriter(const LiveStatus& s, Metrics& m) {
+  const WriterStatus& w = s.writer;
+  m.Begin("writer_state", "gauge", "1 for the state the writer is in.");
+  for (const WriterState state : {WriterState::kWriting, WriterState::kDiskFull, WriterState::kLocked,
+                                  WriterState::kGone, WriterState::kDamaged, WriterState::kFailing})
+    m.Add(w.state == state, fmt::format("state=\"{}\"", WriterStateName(state)));
+  m.One("disk_free_bytes", "gauge", "Free where the database lies.", w.free_bytes);
+  m.One("strokes_stored_total", "counter", "Strokes stored.", w.strokes);
+  m.One("rows_stored_total", "counter", "Raw rows stored.", w.rows);
+  m.Begin("dropped_total", "counter", "What did not fit into a queue.");
+  m.Add(s.inbox.dropped_values, "queue=\"inbox\",what=\"values\"");
+  m.Add(w.dropped_rows, "queue=\"writer\",what=\"rows\"");
+  m.Add(w.dropped_strokes, "queue=\"writer\",what=\"strokes\"");
+  m.Begin("queue_depth", "gauge", "What waits: batches before the pipeline, steps before the disk.");
+  m.Add(s.inbox.batches, "queue=\"inbox\"");
+  m.Add(w.waiting_items, "queue=\"writer\"");
+  m.Begin("stroke_latency_seconds", "gauge",
+          "From the sending of the sample that ends a stroke to its estimate stored.");
+  m.Add(w.latency_p50, "quantile=\"0.5\"");
+  m.Add(w.latency_p99, "quantile=\"0.99\"");
+}
+
+void AddSources(const std::vector<SourceStatus>& sources, Metrics& m) {
+  m.Each("source_connected", "gauge", "1 while a sender is there.", sources, "source",
+         &SourceStatus::connected);
+  m.Each("source_rows_total", "counter", "Rows received.", sources, "source", &SourceStatus::rows);
+  m.Begin("source_faults_total", "counter",
+          "Lost rows, reconnects, timeouts, exceptions, malformed messages.");
+  for (const SourceStatus& source : sources)
+    for (const auto& [kind, count] : {std::pair{"lost_rows", source.lost_rows},
+                                      {"reconnects", source.reconnects},
+                                      {"timeouts", source.timeouts},
+                                      {"exceptions", source.exceptions},
+                                      {"malformed", source.malformed}})
+      m.Add(count, fmt::format("source=\"{}\",kind=\"{}\"", Label(source.name), kind));
+}
+
+void AddAxes(const std::vector<AxisStatus>& axes, Metrics& m) {
+  m.Begin("axis_events_total", "counter", "What the aligner counted.");
+  for (const AxisStatus& axis : axes) {
+    const json counters = CountersJson(axis.counters);
+    for (const auto& [event, count] : counters.items())
+      m.Add(count.get<double>(), fmt::format("axis=\"{}\",event=\"{}\"", Label(axis.name), event));
+  }
+  m.Each("axis_last_stroke_seconds", "gauge", "End of the last stroke, since 1970.", axes, "axis",
+         &AxisStatus::last_stroke);
+  m.Begin("estimate", "gauge", "Parameter after the last stroke, SI.");
+  for (const AxisStatus& axis : axes)
+    for (const Estimate& e : axis.estimates)
+      m.Add(e.value, fmt::format("axis=\"{}\",parameter=\"{}\"", Label(axis.name), Label(e.parameter)));
+}
+
+void AddHealth(const std::vector<AxisHealth>& axes, Metrics& m) {
+  m.Begin("axis_health", "gauge", "NAMUR NE 107: 1 for the state the axis is in.");
+  for (const AxisHealth& a : axes)
+    for (const char state : {'-', 'M', 'S', 'C', 'F'})
+      m.Add(a.health.letter() == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
+  m.Begin("axis_health_reason", "gauge", "1 for what the health comes from.");
+  for (const AxisHealth& a : axes)
+    m.Add(1, fmt::format("axis=\"{}\",reason=\"{}\"", Label(a.name), HealthReasonName(a.health.reason)));
+  m.Each("axis_alarms", "gauge", "Alarms that are not at rest.", axes, "axis",
+         [](const AxisHealth& a) { return a.alarms.size(); });
 }
 
 }  // namespace
@@ -254,178 +429,35 @@ json StatusJson(const LiveStatus& s) {
 
 std::string StatusText(const json& s) {
   const auto counted = s.value("counted", std::string("stroke"));  // an older service does not say
-  std::string text = fmt::format("{} {}, up {}, database {}\n", s.at("machine").get<std::string>(),
-                                 s.at("state").get<std::string>(), Age(s.at("uptime_s")),
-                                 s.at("database").get<std::string>());
-  const json& w = s.at("writer");
-  const bool timed =
-      w.at("latency_max_s").get<double>() > 0;  // else no stroke, or a sender's clock that is no clock
-  text += fmt::format(
-      "writer      {}; {} {}s and {} rows stored, {} to estimate {}\n", w.at("state").get<std::string>(),
-      w.at("strokes").get<std::int64_t>(), counted, w.at("rows").get<std::int64_t>(), counted,
-      timed ? fmt::format("p50 {:.1f} ms, p99 {:.1f} ms", w.at("latency_p50_s").get<double>() * 1e3,
-                          w.at("latency_p99_s").get<double>() * 1e3)
-            : "not known");
-  text +=
-      fmt::format("disk        {} MB free, database {} MB\n", w.at("free_bytes").get<std::int64_t>() >> 20,
-                  w.at("database_bytes").get<std::int64_t>() >> 20);
-  text += fmt::format(
-      "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; "
-      "dropped {} batches, {} rows, {} {}s\n",
-      s.at("inbox").at("batches").get<std::int64_t>(), w.at("waiting_items").get<std::int64_t>(),
-      w.at("waiting_bytes").get<std::int64_t>() >> 10,
-      s.at("inbox").at("dropped_batches").get<std::int64_t>(), w.at("dropped_rows").get<std::int64_t>(),
-      w.at("dropped_strokes").get<std::int64_t>(), counted);
-  if (!w.at("problem").get<std::string>().empty())
-    text += fmt::format("PROBLEM     {}\n", w.at("problem").get<std::string>());
-  if (!w.at("begun_anew").get<std::string>().empty())
-    text += fmt::format("NEW DATABASE {}\n", w.at("begun_anew").get<std::string>());
-  if (!s.at("limits").get<std::string>().empty())
-    text += fmt::format("last reload {}\n", s.at("limits").get<std::string>());
-  if (!s.at("valve_check").get<std::string>().empty())
-    text += fmt::format("valve check {}\n", s.at("valve_check").get<std::string>());
-  text +=
-      fmt::format("process     {:.1f} s of processor, {} MB, {} descriptors\n\n", s.at("cpu_s").get<double>(),
-                  s.at("memory_bytes").get<std::int64_t>() >> 20, s.at("descriptors").get<int>());
-  for (const json& source : s.at("sources"))
-    text += fmt::format(
-        "source {}: {}; {}; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
-        Printable(source.at("name").get<std::string>()), Printable(source.at("state").get<std::string>()),
-        LastText(source.at("age_s")), source.at("rows").get<std::int64_t>(),
-        source.at("lost_rows").get<std::int64_t>(), source.at("reconnects").get<std::int64_t>(),
-        source.at("timeouts").get<std::int64_t>(), source.at("malformed").get<std::int64_t>());
-  for (const json& stream : s.at("streams"))
-    if (stream.at("clock_offset_s").is_number())
-      text += fmt::format(
-          "sender of {} channels: clock {:+.3f} ms from ours, drift {:+.1f} ppm, "
-          "delay {:.1f} ms (worst {:.1f} ms)\n",
-          stream.at("channels").get<int>(), -stream.at("clock_offset_s").get<double>() * 1e3,
-          -stream.at("drift_ppm").get<double>(), stream.at("delay_s").get<double>() * 1e3,
-          stream.at("worst_delay_s").get<double>() * 1e3);
-  for (const json& sender : s.at("senders"))
-    if (const auto refused = sender.at("refused_channels").size(); refused > 0)
-      text += fmt::format(
-          "TWO SENDERS {} (session {}) is not believed: {} of its channels, {} for example, come from "
-          "another one; {} rows left out\n",
-          Printable(SenderName(sender)), sender.at("session").get<std::uint64_t>(), refused,
-          sender.at("refused_channels").front().get<std::string>(),
-          sender.at("refused_rows").get<std::int64_t>());
-  for (const json& feed : s.at("feeds"))
-    text += fmt::format(
-        "feed {}: {}; {}; journal row {}, {} behind; {}\n", Printable(feed.at("name").get<std::string>()),
-        Printable(feed.at("state").get<std::string>()), Counted(feed.at("clients").get<int>(), "client"),
-        feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
-        Counted(feed.at("errors").get<std::int64_t>(), "error"));
-  text += DriftText(s.at("drift"));
-  text += fmt::format("\n{:<22} {:>9} {:>9} {:>13} {:>13} {:>8}\n", "channel", "rate", "age", "value",
-                      "noise", "flagged");
-  for (const json& c : s.at("channels")) {
-    const auto unit = c.at("unit").get<std::string>();
-    std::string noise = "-";
-    if (c.at("noise_std").is_number()) {
-      const DisplayUnit shown = DisplayUnitFor(unit);
-      noise = InUnit(fmt::format("{:.3g}", c.at("noise_std").get<double>() * shown.factor), shown.name);
-    }
-    text += fmt::format("{:<22} {:>6.0f} Hz {:>9} {:>13} {:>13} {:>8}{}\n", c.at("name").get<std::string>(),
-                        c.at("rate_hz").get<double>(), Age(c.at("age_s")), Shown(c.at("value"), unit), noise,
-                        c.at("flagged").get<std::int64_t>(), c.at("stale").get<bool>() ? "  STALE" : "");
-  }
-  for (const json& a : s.at("axes")) {
-    text += fmt::format("\n{}: {} {}s", a.at("name").get<std::string>(), a.at("strokes").get<std::int64_t>(),
-                        counted);
-    for (const auto& [name, e] : a.at("estimates").items())
-      text += fmt::format(", {} {}", name, Shown(e.at("value"), e.at("unit").get<std::string>()));
-    text += "\n ";
-    for (const auto& [name, count] : a.at("counters").items())
-      if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());
-    text += "\n";
-  }
-  return text;
+  return fmt::format("{} {}, up {}, database {}\n", Word(s, "machine"), Word(s, "state"),
+                     Age(s.at("uptime_s")), Word(s, "database")) +
+         WriterText(s, counted) +
+         fmt::format("process     {:.1f} s of processor, {} MB, {} descriptors\n\n", Real(s, "cpu_s"),
+                     Count(s, "memory_bytes") >> 20, Count(s, "descriptors")) +
+         SourcesText(s) + FeedsText(s.at("feeds")) + DriftText(s.at("drift")) +
+         ChannelTable(s.at("channels")) + AxesText(s.at("axes"), counted);
 }
 
 std::string PrometheusText(const LiveStatus& s) {
   Metrics m;
-  m.Begin("uptime_seconds", "gauge", "Since the service began.");
-  m.Add(s.uptime);
-  m.Begin("heartbeats_total", "counter", "Rounds of the pipeline.");
-  m.Add(static_cast<double>(s.heartbeats));
-  m.Begin("writer_state", "gauge", "1 for the state the writer is in.");
-  for (const WriterState state : {WriterState::kWriting, WriterState::kDiskFull, WriterState::kLocked,
-                                  WriterState::kGone, WriterState::kDamaged, WriterState::kFailing})
-    m.Add(s.writer.state == state, fmt::format("state=\"{}\"", WriterStateName(state)));
-  m.Begin("disk_free_bytes", "gauge", "Free where the database lies.");
-  m.Add(static_cast<double>(s.writer.free_bytes));
-  m.Begin("strokes_stored_total", "counter", "Strokes stored.");
-  m.Add(static_cast<double>(s.writer.strokes));
-  m.Begin("rows_stored_total", "counter", "Raw rows stored.");
-  m.Add(static_cast<double>(s.writer.rows));
-  m.Begin("dropped_total", "counter", "What did not fit into a queue.");
-  m.Add(static_cast<double>(s.inbox.dropped_values), "queue=\"inbox\",what=\"values\"");
-  m.Add(static_cast<double>(s.writer.dropped_rows), "queue=\"writer\",what=\"rows\"");
-  m.Add(static_cast<double>(s.writer.dropped_strokes), "queue=\"writer\",what=\"strokes\"");
-  m.Begin("queue_depth", "gauge", "What waits: batches before the pipeline, steps before the disk.");
-  m.Add(static_cast<double>(s.inbox.batches), "queue=\"inbox\"");
-  m.Add(static_cast<double>(s.writer.waiting_items), "queue=\"writer\"");
-  m.Begin("stroke_latency_seconds", "gauge",
-          "From the sending of the sample that ends a stroke to its estimate stored.");
-  m.Add(s.writer.latency_p50, "quantile=\"0.5\"");
-  m.Add(s.writer.latency_p99, "quantile=\"0.99\"");
-  m.Begin("source_connected", "gauge", "1 while a sender is there.");
-  for (const SourceStatus& source : s.sources)
-    m.Add(source.connected, fmt::format("source=\"{}\"", Label(source.name)));
-  m.Begin("source_rows_total", "counter", "Rows received.");
-  for (const SourceStatus& source : s.sources)
-    m.Add(static_cast<double>(source.rows), fmt::format("source=\"{}\"", Label(source.name)));
-  m.Begin("source_faults_total", "counter",
-          "Lost rows, reconnects, timeouts, exceptions, malformed messages.");
-  for (const SourceStatus& source : s.sources)
-    for (const auto& [kind, count] : {std::pair{"lost_rows", source.lost_rows},
-                                      {"reconnects", source.reconnects},
-                                      {"timeouts", source.timeouts},
-                                      {"exceptions", source.exceptions},
-                                      {"malformed", source.malformed}})
-      m.Add(static_cast<double>(count), fmt::format("source=\"{}\",kind=\"{}\"", Label(source.name), kind));
-  m.Begin("channel_age_seconds", "gauge", "Since the last value.");
-  for (const ChannelStatus& c : s.channels) m.Add(c.age, fmt::format("channel=\"{}\"", Label(c.name)));
-  m.Begin("channel_rate_hertz", "gauge", "Values per second.");
-  for (const ChannelStatus& c : s.channels) m.Add(c.rate, fmt::format("channel=\"{}\"", Label(c.name)));
-  m.Begin("channel_senders", "gauge", "Senders of the channel at the same time.");
-  for (const ChannelStatus& c : s.channels) m.Add(c.senders, fmt::format("channel=\"{}\"", Label(c.name)));
-  m.Begin("axis_events_total", "counter", "What the aligner counted.");
-  for (const AxisStatus& axis : s.axes) {
-    const json counters = CountersJson(axis.counters);
-    for (const auto& [event, count] : counters.items())
-      m.Add(count.get<double>(), fmt::format("axis=\"{}\",event=\"{}\"", Label(axis.name), event));
-  }
-  m.Begin("axis_last_stroke_seconds", "gauge", "End of the last stroke, since 1970.");
-  for (const AxisStatus& axis : s.axes) m.Add(axis.last_stroke, fmt::format("axis=\"{}\"", Label(axis.name)));
-  m.Begin("estimate", "gauge", "Parameter after the last stroke, SI.");
-  for (const AxisStatus& axis : s.axes)
-    for (const Estimate& e : axis.estimates)
-      m.Add(e.value, fmt::format("axis=\"{}\",parameter=\"{}\"", Label(axis.name), Label(e.parameter)));
-  const auto feed_label = [](const FeedStatus& feed) { return fmt::format("feed=\"{}\"", Label(feed.name)); };
-  m.Begin("feed_connected", "gauge", "1 while the feed can be heard.");
-  for (const FeedStatus& feed : s.feeds) m.Add(feed.connected, feed_label(feed));
-  m.Begin("feed_rows_behind", "gauge", "Journal rows not out yet.");
-  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.behind), feed_label(feed));
-  m.Begin("feed_errors_total", "counter", "Rounds of the feed that failed.");
-  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.errors), feed_label(feed));
-  m.Begin("axis_health", "gauge", "NAMUR NE 107: 1 for the state the axis is in.");
-  for (const AxisHealth& a : s.drift.axes)
-    for (const char state : {'-', 'M', 'S', 'C', 'F'})
-      m.Add(a.health.letter() == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
-  m.Begin("axis_health_reason", "gauge", "1 for what the health comes from.");
-  for (const AxisHealth& a : s.drift.axes)
-    m.Add(1, fmt::format("axis=\"{}\",reason=\"{}\"", Label(a.name), HealthReasonName(a.health.reason)));
-  m.Begin("axis_alarms", "gauge", "Alarms that are not at rest.");
-  for (const AxisHealth& a : s.drift.axes)
-    m.Add(static_cast<double>(a.alarms.size()), fmt::format("axis=\"{}\"", Label(a.name)));
-  m.Begin("process_resident_bytes", "gauge", "Memory of the process.");
-  m.Add(static_cast<double>(s.memory));
-  m.Begin("process_descriptors", "gauge", "Open files of the process.");
-  m.Add(s.descriptors);
-  m.Begin("process_cpu_seconds_total", "counter", "Processor time of the process.");
-  m.Add(s.cpu);
+  m.One("uptime_seconds", "gauge", "Since the service began.", s.uptime);
+  m.One("heartbeats_total", "counter", "Rounds of the pipeline.", s.heartbeats);
+  AddWriter(s, m);
+  AddSources(s.sources, m);
+  m.Each("channel_age_seconds", "gauge", "Since the last value.", s.channels, "channel", &ChannelStatus::age);
+  m.Each("channel_rate_hertz", "gauge", "Values per second.", s.channels, "channel", &ChannelStatus::rate);
+  m.Each("channel_senders", "gauge", "Senders of the channel at the same time.", s.channels, "channel",
+         &ChannelStatus::senders);
+  AddAxes(s.axes, m);
+  m.Each("feed_connected", "gauge", "1 while the feed can be heard.", s.feeds, "feed",
+         &FeedStatus::connected);
+  m.Each("feed_rows_behind", "gauge", "Journal rows not out yet.", s.feeds, "feed", &FeedStatus::behind);
+  m.Each("feed_errors_total", "counter", "Rounds of the feed that failed.", s.feeds, "feed",
+         &FeedStatus::errors);
+  AddHealth(s.drift.axes, m);
+  m.One("process_resident_bytes", "gauge", "Memory of the process.", s.memory);
+  m.One("process_descriptors", "gauge", "Open files of the process.", s.descriptors);
+  m.One("process_cpu_seconds_total", "counter", "Processor time of the process.", s.cpu);
   return m.Take();
 }
 

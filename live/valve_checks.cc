@@ -50,26 +50,14 @@ FrequencyRecord RecordOf(const SampleBlock& rows, const Machine& machine) {
   return record;
 }
 
-void Fill(const ValveCheck& check, ValveCheckRecord& record) {
-  record.f0 = check.natural_frequency.value, record.f0_std = check.natural_frequency.std;
-  record.damping = check.damping.value, record.damping_std = check.damping.std;
-  record.gain = check.gain.value, record.gain_std = check.gain.std;
-  record.dead_time = check.dead_time.value, record.dead_time_std = check.dead_time.std;
-  record.bandwidth = check.bandwidth.value, record.bandwidth_std = check.bandwidth.std;
-  record.amplitude = check.amplitude;
-}
-
 }  // namespace
 
 ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, SweepStatus end, double begin,
                             double amplitude) {
   ValveCheckRecord record;
-  record.begin = begin;
-  for (double* value : {&record.f0, &record.f0_std, &record.damping, &record.damping_std, &record.gain,
-                        &record.gain_std, &record.dead_time, &record.dead_time_std, &record.bandwidth,
-                        &record.bandwidth_std, &record.supply_pressure, &record.oil_temperature})
-    *value = kNaN;
-  record.amplitude = amplitude;
+  ValveCheck& measured = record.check;
+  measured.time = begin;
+  measured.amplitude = amplitude;
   const auto ended = [&](const char* outcome, std::string detail) {
     record.outcome = outcome;
     record.detail = std::move(detail);
@@ -83,16 +71,16 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
     return ended("broken", "the controller broke the sweep off; the machine began to work");
   if (end != SweepStatus::kDone)
     return ended("no_answer", "the controller did not answer the request in time");
-  record.supply_pressure = Mean(rows, machine.SignalIndex(KindOf(machine).supply));
-  record.oil_temperature = Mean(rows, machine.SignalIndex(KindOf(machine).temperature));
+  measured.supply_pressure = Mean(rows, machine.SignalIndex(KindOf(machine).supply));
+  measured.oil_temperature = Mean(rows, machine.SignalIndex(KindOf(machine).temperature));
   const auto response = MeasureFrequencyResponse(RecordOf(rows, machine));
   if (!response)
     return ended("unusable", "the sweep ran, but its record tells nothing: " + response.error().text);
-  const auto check = MakeValveCheck(*response, begin, record.supply_pressure, record.oil_temperature);
+  const auto check = MakeValveCheck(*response, begin, measured.supply_pressure, measured.oil_temperature);
   if (!check)
     return ended("unusable",
                  "the sweep ran, but no model fits its record: " + response->model_reason.english);
-  Fill(*check, record);
+  measured = *check;
   std::string detail = fmt::format("{} frequencies, {:.1f} s recorded", response->points.size(),
                                    static_cast<double>(rows.rows()) * machine.live->grid_period);
   if (check->worst_distortion > kNotableDistortion)

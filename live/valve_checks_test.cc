@@ -40,11 +40,11 @@ SampleBlock Sweep() {
 TEST(JudgeSweep, ASweepThatRanGivesTheValvesFiguresWithTheConditions) {
   const ValveCheckRecord record = JudgeSweep(Sweep(), ValveMachine(), SweepStatus::kDone, 1.7e9, 0.1);
   EXPECT_EQ(record.outcome, "measured") << record.detail;
-  EXPECT_NEAR(record.f0, 184, 4 * record.f0_std + 2);
-  EXPECT_NEAR(record.damping, 0.67, 4 * record.damping_std + 0.02);
-  EXPECT_EQ(record.begin, 1.7e9);
-  EXPECT_NEAR(record.supply_pressure, 210e5, 1);
-  EXPECT_NEAR(record.oil_temperature, 313.15, 1e-6);
+  EXPECT_NEAR(record.check.natural_frequency.value, 184, 4 * record.check.natural_frequency.std + 2);
+  EXPECT_NEAR(record.check.damping.value, 0.67, 4 * record.check.damping.std + 0.02);
+  EXPECT_EQ(record.check.time, 1.7e9);
+  EXPECT_NEAR(record.check.supply_pressure, 210e5, 1);
+  EXPECT_NEAR(record.check.oil_temperature, 313.15, 1e-6);
 }
 
 TEST(JudgeSweep, ARefusedOrBrokenSweepSaysNothingAboutTheValve) {
@@ -55,7 +55,7 @@ TEST(JudgeSweep, ARefusedOrBrokenSweepSaysNothingAboutTheValve) {
                                                         {SweepStatus::kUndecided, "no_answer"}}) {
     const ValveCheckRecord record = JudgeSweep(Sweep(), ValveMachine(), end, 0, 0.1);
     EXPECT_EQ(record.outcome, outcome);
-    EXPECT_TRUE(std::isnan(record.f0));
+    EXPECT_TRUE(std::isnan(record.check.natural_frequency.value));
     EXPECT_FALSE(record.detail.empty());
   }
 }

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_value.h"
+
 namespace hydroscope {
 
 nlohmann::json AlarmJson(const std::string& machine, const AlarmState& a) {
@@ -12,7 +14,7 @@ nlohmann::json AlarmJson(const std::string& machine, const AlarmState& a) {
           {"active", a.active},
           {"acknowledged", a.acknowledged},
           {"latched", a.latched},
-          {"shelved_until_s", a.shelved_until ? nlohmann::json(*a.shelved_until) : nlohmann::json()},
+          {"shelved_until_s", JsonOrNull(a.shelved_until)},
           {"suppressed", a.suppressed},
           {"out_of_service", a.out_of_service},
           {"value", a.value},

@@ -30,12 +30,26 @@ bool OfValveChecks(const std::string& id, const drift::RuleBook& rules) {
 /// Whether an alarm is one that findings raise.
 bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
   return !OfValveChecks(id, rules) &&
-         (id.starts_with(kUnnamed) || std::any_of(rules.rules.begin(), rules.rules.end(),
-                                                  [&](const drift::Rule& rule) { return rule.id == id; }));
+         (id.starts_with(kUnnamed) ||
+          std::ranges::any_of(rules.rules, [&](const drift::Rule& rule) { return rule.id == id; }));
 }
 
 const Told& Advice(const drift::DriftFinding& finding) {
   return finding.compared.advice.empty() ? finding.guidance : finding.compared.advice;
+}
+
+/// What a finding says of its alarm, but its size and severity.
+AlarmCondition ConditionOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
+  const drift::FindingPart& part = finding.parts.front();
+  AlarmCondition condition;
+  condition.std = part.std;
+  condition.limit = part.limit;
+  condition.unit = part.unit;
+  condition.severity = finding.alarm ? AlarmSeverity::kAlarm : static_cast<AlarmSeverity>(finding.severity);
+  condition.text = AlarmTextOf(finding, counted);
+  condition.words = WordsOf(finding, counted);
+  condition.quantities = QuantitiesOf(finding);
+  return condition;
 }
 
 }  // namespace
@@ -71,7 +85,7 @@ std::string AlarmIdOf(const drift::DriftFinding& finding) {
 }
 
 bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings) {
-  const auto first = std::find_if(findings.begin(), findings.end(), [&](const drift::DriftFinding& f) {
+  const auto first = std::ranges::find_if(findings, [&](const drift::DriftFinding& f) {
     return f.state != drift::FindingState::kGone && !f.parts.empty() && AlarmIdOf(f) == AlarmIdOf(finding);
   });
   return first == findings.end() || first->number == finding.number;
@@ -92,19 +106,11 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
     }
     const drift::FindingPart& part = finding.parts.front();
     const bool there = !part.reversed && std::abs(part.size) > kNormal95 * part.std;
-    AlarmCondition condition{there ? std::abs(part.size) : 0.0,
-                             part.std,
-                             part.limit,
-                             true,
-                             part.unit,
-                             static_cast<AlarmSeverity>(finding.severity),
-                             AlarmTextOf(finding, counted),
-                             finding.since.last_before + 1,
-                             finding.last,
-                             finding.compared.cause,
-                             WordsOf(finding, counted)};
-    if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
-    condition.quantities = QuantitiesOf(finding);
+    AlarmCondition condition = ConditionOf(finding, counted);
+    condition.value = there ? std::abs(part.size) : 0.0;
+    condition.first_stroke = finding.since.last_before + 1;
+    condition.last_stroke = finding.last;
+    condition.cause = finding.compared.cause;
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
   }
 }
@@ -113,9 +119,8 @@ void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& 
                      AxisContent& content) {
   const auto& findings = monitor.findings();
   for (AlarmState& alarm : content.alarms) {
-    const bool found = std::any_of(findings.begin(), findings.end(), [&](const auto& f) {
-      return !f.parts.empty() && AlarmIdOf(f) == alarm.id;
-    });
+    const bool found = std::ranges::any_of(
+        findings, [&](const auto& f) { return !f.parts.empty() && AlarmIdOf(f) == alarm.id; });
     if (!found && OfFindings(alarm.id, rules))
       content.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules), now));
   }
@@ -127,11 +132,10 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
   settings.on_delay = settings.off_delay = 2;  // counted in looks, not in strokes
   const auto drifts = monitor.SlowDrifts();
   for (const drift::Quantity& quantity : monitor.model().quantities()) {
-    const auto found = std::find_if(drifts.begin(), drifts.end(),
-                                    [&](const auto& d) { return d.quantity == quantity.name; });
+    const auto found =
+        std::ranges::find_if(drifts, [&](const auto& d) { return d.quantity == quantity.name; });
     const std::string id = "slow_" + quantity.name;
-    const bool known =
-        std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
+    const bool known = std::ranges::any_of(content.alarms, [&](const auto& a) { return a.id == id; });
     if (found == drifts.end() && !known) continue;
     AlarmCondition condition{-1, 0, 0, true, quantity.unit, AlarmSeverity::kAdvisory, "", -1, now.stroke};
     condition.quantities = {quantity.name};
@@ -228,20 +232,9 @@ void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& 
     if (OfValveChecks(alarm.id, rules) && (finding.parts.empty() || alarm.id != AlarmIdOf(finding)))
       content.Append(alarm_machine::Clear(alarm, settings, now));
   if (finding.parts.empty()) return;
-  const drift::FindingPart& part = finding.parts.front();
-  AlarmCondition condition{
-      std::abs(part.size),
-      part.std,
-      part.limit,
-      true,
-      part.unit,
-      finding.alarm ? AlarmSeverity::kAlarm : static_cast<AlarmSeverity>(finding.severity),
-      AlarmTextOf(finding, drift::ValveChecksCounted()),
-      now.stroke,
-      now.stroke,
-      {},
-      WordsOf(finding, drift::ValveChecksCounted()),
-      QuantitiesOf(finding)};
+  AlarmCondition condition = ConditionOf(finding, drift::ValveChecksCounted());
+  condition.value = std::abs(finding.parts.front().size);
+  condition.first_stroke = condition.last_stroke = now.stroke;
   content.Append(alarm_machine::Observe(content.Alarm(AlarmIdOf(finding)), settings, condition, now));
 }
 

@@ -1,7 +1,5 @@
 #include "monitor/axis_monitor.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "core/constants.h"
@@ -9,14 +7,10 @@
 #include "models/machine_kind.h"
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
-#include "monitor/learning_check.h"
-#include "monitor/next_with_columns.h"
-#include "monitor/stored_valve_check.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
 /// Strokes in a row without a judgement after which health says so: a minute or two of a press at work.
 constexpr int kStrokesUntilNotJudged = 10;
 constexpr std::int64_t kSlowDriftEvery = 50;  ///< strokes
@@ -138,18 +132,6 @@ Status AxisMonitor::Change(double wall, const std::function<void(AxisContent&)>&
   return stored;
 }
 
-Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64_t first,
-                                                                      std::int64_t count) const {
-  const auto stored = Load(first, count);
-  if (!stored) return tl::unexpected(stored.error());
-  std::vector<drift::StrokeEvidence> strokes;
-  for (const Stored& stroke : *stored) {
-    drift::StrokeEvidence evidence = EvidenceOf(stroke);
-    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
-  }
-  return strokes;
-}
-
 AlarmMoment AxisMonitor::Moment(double wall) const {
   AlarmMoment now = last_;
   now.wall = wall;
@@ -181,8 +163,7 @@ Status AxisMonitor::CountNotJudged() {
   if (first <= monitor_->reference().last_sequence()) return {};
   const auto last = JudgedValues(first, kStrokesUntilNotJudged);
   if (!last) return tl::unexpected(last.error());
-  if (std::any_of(last->begin(), last->end(), [](const JudgedValue& v) { return v.deviation.judged; }))
-    return {};
+  if (std::ranges::any_of(*last, [](const JudgedValue& v) { return v.deviation.judged; })) return {};
   not_judged_ = kStrokesUntilNotJudged;
   why_not_judged_ = last->empty() ? drift::JudgementReason::kTooCold : drift::JudgementReason::kNewClass;
   return {};
@@ -227,114 +208,14 @@ bool AxisMonitor::ExplanationIsDue(const drift::DriftFinding& finding) const {
     return false;
   if (!SpeaksForItsAlarm(finding, monitor_->findings())) return false;
   const std::int64_t strokes = next_ - FirstChanged(finding);
-  return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
-                     [&](std::int64_t wanted) { return finding.explained < wanted && wanted <= strokes; });
+  return std::ranges::any_of(kStrokesToExplain, [&](std::int64_t wanted) {
+    return finding.explained < wanted && wanted <= strokes;
+  });
 }
 
 bool AxisMonitor::AnyExplanationIsDue() const {
   const auto& findings = monitor_->findings();
-  return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
-}
-
-/// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them
-/// is stored twice.
-Result<bool> AxisMonitor::CollectForLearning() {
-  while (static_cast<int>(collected_.size()) < rules_.commissioning) {
-    const auto next = NextWithColumns(database_, machine_id_, columns_, collected_to_);
-    if (!next) return tl::unexpected(next.error());
-    collected_to_ = *next;
-    const auto chunk = Load(collected_to_, kStrokesPerChange);
-    if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->empty()) return false;
-    for (const Stored& stroke : *chunk) {
-      collected_to_ = stroke.sequence + 1;
-      drift::StrokeEvidence evidence = EvidenceOf(stroke);
-      if (Learnable(evidence)) collected_.push_back(std::move(evidence));
-      if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
-    }
-  }
-  return true;
-}
-
-/// True once a reference is there.
-Result<bool> AxisMonitor::Commission(double wall) {
-  const auto enough = CollectForLearning();
-  if (!enough || !*enough) return enough;
-  if (!rules_.automatic || !why_not_learned_.empty()) return false;
-  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
-  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
-    why_not_learned_ =
-        Tell("nothing is learned from {} {} to {}: {}", "aus {} {} bis {} wird nichts gelernt: {}",
-             counted().Many(), part.first, part.last - 1, doubt->text);
-    return false;
-  }
-  const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
-  if (learned) return true;
-  if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
-  // These strokes do not tell the parameters apart: the older half makes room for others.
-  collected_.erase(collected_.begin(), collected_.begin() + static_cast<long>(collected_.size() / 2));
-  return Commission(wall);
-}
-
-Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
-                              const AlarmUser& user) {
-  const auto latest = journal_.LatestReference(machine_.name);
-  if (!latest) return tl::unexpected(latest.error());
-  auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
-  if (!reference) return tl::unexpected(reference.error());
-  const drift::StrokeEvidence& newest = strokes.back();
-  const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
-      database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
-      {});
-  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
-  unreadable_ = false;
-  return Change(wall, [&](AxisContent& axis) {
-    for (AlarmState& alarm : axis.alarms)
-      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
-    AppendReference(*reference, strokes, user, axis);
-    if (!doubts.empty())
-      axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;
-    axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
-    monitor_.emplace(*model_, rules_, std::move(*reference));
-    history_.EndAll(last_.stroke, last_.time);
-    next_ = next;
-  });
-}
-
-/// A new version of the reference with its event.
-void AxisMonitor::AppendReference(const drift::Reference& reference,
-                                  const std::vector<drift::StrokeEvidence>& strokes, const AlarmUser& user,
-                                  AxisContent& content) const {
-  AlarmEvent event;
-  event.event = "reference_learned";
-  event.time = strokes.back().time;
-  event.stroke = strokes.back().sequence;
-  event.oil_temperature = strokes.back().oil_temperature;
-  event.reference_version = reference.version();
-  event.user = user.name;
-  event.comment = user.comment;
-  event.first_stroke = strokes.front().sequence;
-  event.last_stroke = strokes.back().sequence;
-  event.text =
-      fmt::format("reference {} learned from {} {}", reference.version(), strokes.size(), counted().many);
-  ByteWriter bytes;
-  reference.Save(bytes);
-  content.references.push_back({reference.version(), event.first_stroke, event.last_stroke, bytes.Take()});
-  content.events.push_back(std::move(event));
-}
-
-Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
-  if (!model_) return tl::unexpected(model_.error());
-  if (const Status fresh = Refresh(); !fresh) return fresh;
-  auto strokes = LoadLearnable(first, last - first);
-  if (!strokes) return tl::unexpected(strokes.error());
-  if (strokes->empty())
-    return BadInput(
-        Tell("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
-             "{0}: aus {2} bis {3} lässt sich nichts lernen: nichts gespeichert, oder das Öl war zu kalt",
-             machine_.name, counted().one, first, last - 1));
-  const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
-  return LearnFrom(std::move(*strokes), next, wall, user);
+  return std::ranges::any_of(findings, [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
 Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int64_t first,
@@ -384,8 +265,7 @@ void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
 Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& settings,
                             const std::optional<AlarmCondition>& condition, double wall) {
   if (const Status fresh = Refresh(); !fresh) return fresh;
-  const auto known =
-      std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == alarm; });
+  const auto known = std::ranges::find_if(alarms_, [&](const auto& a) { return a.id == alarm; });
   if (!condition && (known == alarms_.end() || !known->active)) return {};
   return Change(wall, [&](AxisContent& axis) {
     const AlarmMoment now = Moment(wall);
@@ -399,9 +279,8 @@ Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& setti
 }
 
 Status AxisMonitor::Tick(double wall) {
-  const bool due = std::any_of(alarms_.begin(), alarms_.end(), [&](const AlarmState& a) {
-    return a.shelved_until && wall >= *a.shelved_until;
-  });
+  const bool due = std::ranges::any_of(
+      alarms_, [&](const AlarmState& a) { return a.shelved_until && wall >= *a.shelved_until; });
   if (!due) return {};
   if (const Status fresh = Refresh(); !fresh) return fresh;
   return Change(wall, [&](AxisContent& axis) {
@@ -444,7 +323,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
 drift::DriftFinding AxisMonitor::JudgeInSilence(const ValveCheckRecord& check) {
   ++checks_;
   if (check.outcome != "measured") return {};
-  return valve_.Add(StoredValveCheck(check), checks_);
+  return valve_.Add(check.check, checks_);
 }
 
 /// Checks that measured the valve; refused and broken ones say nothing about it.
@@ -454,12 +333,12 @@ Status AxisMonitor::JudgeValveChecks(double wall) {
   if (static_cast<std::int64_t>(checks->size()) <= checks_) return {};
   return Change(wall, [&](AxisContent& axis) {
     while (checks_ < static_cast<std::int64_t>(checks->size())) {
-      const ValveCheckRecord& record = (*checks)[static_cast<std::size_t>(checks_)];
+      const ValveCheckRecord& record = (*checks)[checks_];
       const drift::DriftFinding finding = JudgeInSilence(record);
       if (record.outcome != "measured") continue;
       AlarmMoment now = Moment(wall);
-      now.time = record.begin;
-      now.oil_temperature = record.oil_temperature;
+      now.time = record.check.time;
+      now.oil_temperature = record.check.oil_temperature;
       axis_alarms::JudgeValveCheck(finding, rules_, now, axis);
     }
   });

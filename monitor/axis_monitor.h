@@ -90,6 +90,7 @@ class AxisMonitor {
     std::int64_t sequence = 0;
     int model_version = 0;
   };
+  static constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
   Result<std::vector<Stored>> Load(std::int64_t first, std::int64_t count) const;
   Result<std::vector<drift::StrokeEvidence>> LoadLearnable(std::int64_t first, std::int64_t count) const;
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;

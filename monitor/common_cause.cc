@@ -14,8 +14,8 @@ Members Matching(const drift::Rule& rule, std::span<const FindingHistory* const>
   for (std::size_t a = 0; a < axes.size(); ++a)
     for (const StandingFinding& finding : axes[a]->findings())
       if (rule.Matches(finding.movements)) matching.push_back({static_cast<int>(a), finding});
-  std::stable_sort(matching.begin(), matching.end(),
-                   [](const auto& x, const auto& y) { return x.finding.since < y.finding.since; });
+  std::ranges::stable_sort(matching,
+                           [](const auto& x, const auto& y) { return x.finding.since < y.finding.since; });
   return matching;
 }
 
@@ -28,8 +28,8 @@ Members TogetherAt(std::int64_t stroke, const drift::Rule& rule, const Members& 
     for (std::size_t k = first; k < matching.size(); ++k) {
       const StandingFinding& f = matching[k].finding;
       if (f.since - matching[first].finding.since > rule.within) break;
-      const bool of_new_axis = std::none_of(
-          group.begin(), group.end(), [&](const auto& member) { return member.axis == matching[k].axis; });
+      const bool of_new_axis =
+          std::ranges::none_of(group, [&](const auto& member) { return member.axis == matching[k].axis; });
       if (f.StandsAt(stroke) && of_new_axis) group.push_back(matching[k]);
     }
     if (group.size() > largest.size()) largest = std::move(group);

@@ -24,23 +24,21 @@ void FindingHistory::Follow(const std::vector<drift::DriftFinding>& findings, st
                             double time) {
   for (StandingFinding& known : findings_) {
     if (known.to != StandingFinding::kStillStands) continue;
-    const bool stands = std::any_of(findings.begin(), findings.end(), [&](const drift::DriftFinding& f) {
-      return f.number == known.number && IsNamed(f);
-    });
+    const bool stands = std::ranges::any_of(
+        findings, [&](const drift::DriftFinding& f) { return f.number == known.number && IsNamed(f); });
     if (stands) continue;
     known.to = stroke;
     known.to_time = time;
   }
   for (const drift::DriftFinding& finding : findings) {
-    const bool known = std::any_of(findings_.begin(), findings_.end(), [&](const StandingFinding& k) {
+    const bool known = std::ranges::any_of(findings_, [&](const StandingFinding& k) {
       return k.number == finding.number && k.to == StandingFinding::kStillStands;
     });
     if (known || !IsNamed(finding)) continue;
     findings_.push_back({finding.number, finding.since.last_before + 1, stroke, StandingFinding::kStillStands,
                          time, 0, AlarmIdOf(finding), MovementsOf(finding)});
   }
-  if (findings_.size() > kRemembered)
-    findings_.erase(findings_.begin(), findings_.end() - static_cast<std::ptrdiff_t>(kRemembered));
+  if (findings_.size() > kRemembered) findings_.erase(findings_.begin(), findings_.end() - kRemembered);
 }
 
 void FindingHistory::Save(ByteWriter& out) const {

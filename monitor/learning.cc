@@ -8,7 +8,7 @@
 namespace hydroscope {
 
 bool LearningCandidate::Refused() const {
-  return std::any_of(doubts.begin(), doubts.end(), [](const LearningDoubt& d) { return d.Refuses(); });
+  return std::ranges::any_of(doubts, [](const LearningDoubt& d) { return d.Refuses(); });
 }
 
 Result<LearningCandidate> LookBeforeLearning(const Database& database, const std::string& path,

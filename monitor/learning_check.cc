@@ -194,7 +194,7 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
       history ? ExplainHistory(*history) : Result<ExplainResult>(tl::unexpected(history.error()));
   Append(doubts, OfVerdict(result));
   if (result) Append(doubts, OfOddStrokes(*history, result->explanation));
-  if (std::any_of(doubts.begin(), doubts.end(), [](const auto& d) { return d.kind == Kind::kUnexplained; }))
+  if (std::ranges::any_of(doubts, [](const auto& d) { return d.kind == Kind::kUnexplained; }))
     Append(doubts, OfTrends(database, part, machine));
   return doubts;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "diagnosis/drift/change_analysis.h"
 
 namespace hydroscope {
@@ -40,12 +41,10 @@ MeanDeviation MeanDeviationBesideFindings(std::span<const AxisMonitor::JudgedVal
     since = std::max(since, finding.since.last_before);
     for (const drift::FindingPart& part : finding.parts)
       for (int q = 0; q < monitor.model().size(); ++q)
-        if (quantities[static_cast<std::size_t>(q)].name == part.quantity &&
-            std::find(together.begin(), together.end(), q) == together.end())
-          together.push_back(q);
+        if (quantities[q].name == part.quantity && !Contains(together, q)) together.push_back(q);
   }
-  const auto after = std::find_if(strokes.begin(), strokes.end(),
-                                  [&](const auto& stroke) { return stroke.sequence > since; });
+  const auto after =
+      std::ranges::find_if(strokes, [&](const auto& stroke) { return stroke.sequence > since; });
   const auto later = strokes.last(static_cast<std::size_t>(strokes.end() - after));
   MeanDeviation mean = MeanDeviationOf(later, quantity);
   if (mean.strokes == 0) return MeanDeviationOf(strokes, quantity);

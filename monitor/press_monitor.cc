@@ -22,8 +22,8 @@ std::vector<std::int64_t> RaisedAt(const std::vector<JournalRow>& rows, const st
 }
 
 bool IsTold(const CommonCause& cause, const std::vector<std::int64_t>& raised) {
-  return std::any_of(raised.begin(), raised.end(),
-                     [&](std::int64_t stroke) { return cause.from <= stroke && stroke < cause.to; });
+  return std::ranges::any_of(raised,
+                             [&](std::int64_t stroke) { return cause.from <= stroke && stroke < cause.to; });
 }
 
 std::vector<std::pair<std::int64_t, std::int64_t>> ExtentsOf(const std::vector<CommonCause>& causes) {
@@ -96,9 +96,8 @@ Status PressMonitor::CatchUp(double wall) {
 Status PressMonitor::Tick(double wall) {
   for (const auto& axis : axes_)
     if (const Status done = axis->Tick(wall); !done) return done;
-  const bool due = std::any_of(alarms_.begin(), alarms_.end(), [&](const AlarmState& alarm) {
-    return alarm.shelved_until && wall >= *alarm.shelved_until;
-  });
+  const bool due = std::ranges::any_of(
+      alarms_, [&](const AlarmState& alarm) { return alarm.shelved_until && wall >= *alarm.shelved_until; });
   if (!due) return {};
   return journal_.Change(name_, wall, [&](AxisContent& press) -> Status {
     for (AlarmState& alarm : press.alarms) press.Append(alarm_machine::Tick(alarm, MomentOf(-1, kNaN, wall)));
@@ -117,7 +116,7 @@ Status PressMonitor::JudgeTogether(double wall) {
     if (const Status told = TellPress(rule, causes, wall); !told) return told;
     if (causes.empty() || !causes.back().StillStands()) continue;
     for (const CommonCause::Member& member : causes.back().members)
-      common[static_cast<std::size_t>(member.axis)].insert(member.finding.alarm);
+      common[member.axis].insert(member.finding.alarm);
   }
   for (std::size_t a = 0; a < axes_.size(); ++a)
     if (const Status set = axes_[a]->SetCommonCause(std::move(common[a]), wall); !set) return set;
@@ -147,8 +146,7 @@ Status PressMonitor::TellPress(const drift::Rule& rule, const std::vector<Common
   const auto content = journal_.Axis(name_);
   if (!content) return tl::unexpected(content.error());
   alarms_ = content->alarms;
-  const auto known =
-      std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == rule.id; });
+  const auto known = std::ranges::find_if(alarms_, [&](const auto& a) { return a.id == rule.id; });
   const bool active = known != alarms_.end() && known->active;
   const bool stands = !causes.empty() && causes.back().StillStands();
   if (active == stands && (stands || told_[rule.id] == ExtentsOf(causes))) return {};

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,8 +31,8 @@ class PressMonitor {
   Status Tick(double wall);
 
   int axis_count() const { return static_cast<int>(axes_.size()); }
-  AxisMonitor& axis(int index) { return *axes_[static_cast<std::size_t>(index)]; }
-  const AxisMonitor& axis(int index) const { return *axes_[static_cast<std::size_t>(index)]; }
+  AxisMonitor& axis(int index) { return *axes_[index]; }
+  const AxisMonitor& axis(int index) const { return *axes_[index]; }
   /// The axis of this name; nullptr if it is not among them.
   const AxisMonitor* Find(const std::string& machine) const;
   const drift::RuleBook& rules() const { return rules_; }

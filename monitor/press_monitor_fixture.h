@@ -130,13 +130,13 @@ class PressMonitorTest : public testing::Test {
   void Write(const char* name, const std::string& text) { std::ofstream(folder_ / name) << text; }
 
   void Store(int axis, std::vector<StrokeRecord> strokes) {
-    std::int64_t& index = stored_[static_cast<std::size_t>(axis)];
+    std::int64_t& index = stored_[axis];
     for (StrokeRecord& stroke : strokes) {
       stroke.summary.begin += 1e4 * static_cast<double>(index);  // logs one after the other
       stroke.summary.end += 1e4 * static_cast<double>(index);
       stroke.summary.index = index++;
     }
-    ASSERT_OK(database_->StoreStrokes(runs_[static_cast<std::size_t>(axis)], strokes));
+    ASSERT_OK(database_->StoreStrokes(runs_[axis], strokes));
   }
 
   std::unique_ptr<PressMonitor> Open() {

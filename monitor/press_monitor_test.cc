@@ -310,16 +310,12 @@ TEST_F(PressMonitorTest, IdleSuppressesWhatIsNewButNoLostLinkAndLeavesWhatStands
 }
 
 ValveCheckRecord Check(double f0, const char* outcome = "measured") {
-  ValveCheckRecord check;
-  check.outcome = outcome;
-  check.f0 = f0;
-  check.f0_std = 0.2;
-  check.damping = 0.67;
-  check.damping_std = 0.002;
-  check.dead_time = 1e-3;
-  check.dead_time_std = 1e-5;
-  check.oil_temperature = 313;
-  return check;
+  ValveCheckRecord record{.outcome = outcome, .detail = "", .check = {}};
+  record.check.natural_frequency = {f0, 0.2};
+  record.check.damping = {0.67, 0.002};
+  record.check.dead_time = {1e-3, 1e-5};
+  record.check.oil_temperature = 313;
+  return record;
 }
 
 TEST_F(PressMonitorTest, AValveCheckRaisesAndTheNextGoodOneClears) {

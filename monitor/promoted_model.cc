@@ -35,7 +35,7 @@ Result<std::vector<Machine>> StoredAxes(const std::string& path, const Machine& 
   std::vector<Machine> axes;
   for (int axis = 0; axis < AxisCount(machine); ++axis) {
     const std::string name = AxisMachineName(machine, axis);
-    if (std::find(names->begin(), names->end(), name) == names->end()) continue;
+    if (std::ranges::find(*names, name) == names->end()) continue;
     const auto id = database.MachineId(name);
     if (!id) return tl::unexpected(id.error());
     auto promoted = PromotedFor(database, path, *id, machine, "");

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
+#include "core/contains.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/valve_check_monitor.h"
-#include "models/effect.h"
 #include "models/machine_file/table.h"
 #include "models/machine_kind.h"
 
@@ -35,7 +34,7 @@ std::vector<std::string> RuleRemarks(const drift::RuleBook& rules, const ModelSt
   known.insert(known.end(), drift::ValveCheckMonitor::kFigureNames.begin(),
                drift::ValveCheckMonitor::kFigureNames.end());
   for (const drift::WatchSpec& watch : rules.watches)
-    if (std::find(known.begin(), known.end(), watch.quantity) == known.end())
+    if (!Contains(known, watch.quantity))
       remarks.push_back(fmt::format("{} watches {}, which this machine has not: {}parameters are {}",
                                     rules.file, watch.quantity, DidYouMean(watch.quantity, known).english,
                                     Listed(parameters)));

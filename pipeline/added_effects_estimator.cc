@@ -36,8 +36,7 @@ Result<std::vector<double>> GivenValues(const Machine& machine, const Effect& ef
   std::vector<double> values;
   if (given == machine.effect_values.end()) return values;
   for (const auto& [name, value] : given->second)
-    if (std::none_of(effect.nonlinear.begin(), effect.nonlinear.end(),
-                     [&name = name](const auto& n) { return n.name == name; }))
+    if (std::ranges::none_of(effect.nonlinear, [&name = name](const auto& n) { return n.name == name; }))
       return BadInput(Tell("machine {}: effect_values of {}: it has no parameter {}",
                            "Maschine {}: effect_values von {}: es hat keinen Parameter {}", machine.name,
                            effect.id, name));

@@ -54,8 +54,7 @@ std::string PathOfLog(const std::string& log) {
 
 Result<int> AxisNamed(const Machine& machine, const std::string& name) {
   for (int axis = 0; HasNamedAxes(machine) && axis < AxisCount(machine); ++axis)
-    if (name == machine.live->axes[static_cast<std::size_t>(axis)] || name == AxisMachineName(machine, axis))
-      return axis;
+    if (name == machine.live->axes[axis] || name == AxisMachineName(machine, axis)) return axis;
   if (!HasNamedAxes(machine))
     return BadInput(
         Tell("axis \"{}\": the machine file of \"{}\" names no axes; it would in [live] axes",
@@ -69,8 +68,7 @@ Result<std::vector<LogsOfAxis>> ShareOutLogs(const Machine& machine, const std::
                                              const std::string& axis) {
   std::vector<LogsOfAxis> shares;
   const auto share = [&](int index) -> LogsOfAxis& {
-    const auto known =
-        std::find_if(shares.begin(), shares.end(), [&](const LogsOfAxis& s) { return s.axis == index; });
+    const auto known = std::ranges::find_if(shares, [&](const LogsOfAxis& s) { return s.axis == index; });
     return known != shares.end() ? *known : shares.emplace_back(LogsOfAxis{index, {}});
   };
   if (!HasNamedAxes(machine) && axis.empty()) return std::vector{LogsOfAxis{0, logs}};

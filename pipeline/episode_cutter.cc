@@ -51,17 +51,17 @@ EpisodeCutter::EpisodeCutter(const Machine& machine, EpisodeSignals of, const Op
   rows_.signal.resize(signals);
   rows_.quality.resize(signals);
   input_.assign(signals, false);
-  for (const int s : signals_.inputs) input_[static_cast<std::size_t>(s)] = true;
+  for (const int s : signals_.inputs) input_[s] = true;
   shaft_ = machine.SignalIndex(machine.states.shaft);
-  if (shaft_ >= 0) input_[static_cast<std::size_t>(shaft_)] = true;
+  if (shaft_ >= 0) input_[shaft_] = true;
 }
 
 void EpisodeCutter::ForgiveSpikes(const std::vector<double>& share) { spikes_ = share; }
 
 bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
   const GateSpec& gate = machine_.gate;
-  const bool holds = std::all_of(gate.bounds.begin(), gate.bounds.end(), [&](const GateBound& b) {
-    double x = block.signal[static_cast<std::size_t>(machine_.SignalIndex(b.signal))][row];
+  const bool holds = std::ranges::all_of(gate.bounds, [&](const GateBound& b) {
+    double x = block.signal[machine_.SignalIndex(b.signal)][row];
     if (b.magnitude) x = std::abs(x);
     return (!b.min || x >= *b.min) && (!b.max || x <= *b.max);
   });
@@ -79,8 +79,8 @@ bool EpisodeCutter::InputsGood(const SampleBlock& block, std::size_t row) const 
 bool EpisodeCutter::BreaksTime(const SampleBlock& block, std::size_t row) const {
   if (!last_time_) return false;
   if (!(block.time[row] > *last_time_)) return true;
-  return std::any_of(block.quality.begin(), block.quality.end(),
-                     [&](const auto& flags) { return (flags[row] & kTimeBreaks) != 0; });
+  return std::ranges::any_of(block.quality,
+                             [&](const auto& flags) { return (flags[row] & kTimeBreaks) != 0; });
 }
 
 void EpisodeCutter::Process(const SampleBlock& block) {
@@ -123,8 +123,7 @@ void EpisodeCutter::Finish() { End(); }
 /// Flags of a signal that are no faults.
 Quality EpisodeCutter::Forgiven(std::size_t signal) const {
   const auto& flags = rows_.quality[signal];
-  const auto spikes =
-      std::count_if(flags.begin(), flags.end(), [](Quality q) { return (q & quality::kSpike) != 0; });
+  const auto spikes = std::ranges::count_if(flags, [](Quality q) { return (q & quality::kSpike) != 0; });
   const double share =
       spikes_.empty() ? static_cast<double>(spikes) / static_cast<double>(flags.size()) : spikes_[signal];
   Quality forgiven = kTimeBreaks;
@@ -142,7 +141,7 @@ void EpisodeCutter::End() {
   // An episode begins where all outputs are there, since initial values may be read from them.
   std::size_t first = 0;
   const std::size_t end = rows_.size();
-  while (first < end && !std::all_of(signals_.outputs.begin(), signals_.outputs.end(), [&](int s) {
+  while (first < end && !std::ranges::all_of(signals_.outputs, [&](int s) {
            const auto at = static_cast<std::size_t>(s);
            return GoodReading(rows_.signal[at][first], rows_.quality[at][first], forgiven[at]);
          }))
@@ -185,8 +184,7 @@ void EpisodeCutter::Emit(std::size_t first, std::size_t end, const std::vector<Q
   Episode episode;
   episode.log = options_.log;
   episode.first_row = rows_.first + static_cast<std::int64_t>(first);
-  episode.time.assign(rows_.time.begin() + static_cast<std::ptrdiff_t>(first),
-                      rows_.time.begin() + static_cast<std::ptrdiff_t>(end));
+  episode.time.assign(rows_.time.begin() + first, rows_.time.begin() + end);
   episode.signal.resize(static_cast<Eigen::Index>(end - first),
                         static_cast<Eigen::Index>(rows_.signal.size()));
   for (std::size_t s = 0; s < rows_.signal.size(); ++s)

@@ -85,8 +85,7 @@ void EpisodePipeline::TakeConditions(const Episode& episode, StrokeSummary& summ
   std::vector<double> sample(static_cast<std::size_t>(episode.signal.cols() * rows));
   for (int first = 0; first + rows <= episode.rows(); first += rows) {
     for (Eigen::Index s = 0; s < episode.signal.cols(); ++s)
-      for (int k = 0; k < rows; ++k)
-        sample[static_cast<std::size_t>(s * rows + k)] = episode.signal(first + k, s);
+      for (int k = 0; k < rows; ++k) sample[s * rows + k] = episode.signal(first + k, s);
     conditions_.Add(sample, rows);
   }
   conditions_.Write(episode.rows() * period_, summary);

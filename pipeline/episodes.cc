@@ -17,8 +17,8 @@ namespace {
 std::vector<double> SpikeShares(const SampleBlock& rows) {
   std::vector<double> shares;
   for (const auto& flags : rows.quality)
-    shares.push_back(static_cast<double>(std::count_if(
-                         flags.begin(), flags.end(), [](Quality q) { return (q & quality::kSpike) != 0; })) /
+    shares.push_back(static_cast<double>(
+                         std::ranges::count_if(flags, [](Quality q) { return (q & quality::kSpike) != 0; })) /
                      static_cast<double>(std::max<std::size_t>(1, flags.size())));
   return shares;
 }
@@ -28,8 +28,7 @@ void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const st
                         SampleBlock& rows, EpisodeLog& out) {
   const auto counted = [&](std::size_t signal) {
     const auto& flags = rows.quality[signal];
-    return std::count_if(flags.begin(), flags.end(),
-                         [](Quality q) { return (q & quality::kOutOfRange) != 0; });
+    return std::ranges::count_if(flags, [](Quality q) { return (q & quality::kOutOfRange) != 0; });
   };
   std::vector<std::int64_t> before;
   for (std::size_t s = 0; s < machine.signals.size(); ++s) before.push_back(counted(s));
@@ -43,8 +42,8 @@ void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const st
     for (std::size_t bit = 0; bit < channel.flagged.size(); ++bit)
       if (quality::kOutOfRange == 1u << bit) channel.flagged[bit] += more;
     out.pass.summary.flagged[channel.name]["out_of_range"] += more;
-    const auto at = std::find(rows.signal[s].begin(), rows.signal[s].end(), end.at);
-    const double first = rows.time[static_cast<std::size_t>(at - rows.signal[s].begin())];
+    const auto at = std::ranges::find(rows.signal[s], end.at);
+    const double first = rows.time[at - rows.signal[s].begin()];
     channel.first_bad = std::isnan(channel.first_bad) ? first : std::min(channel.first_bad, first);
   }
 }

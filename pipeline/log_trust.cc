@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/json_value.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 
@@ -62,8 +63,7 @@ std::vector<Told> LogTrust::Warnings() const {
 LogTrust JudgeLog(const LogStrokes& log, const Eigen::VectorXd& theta, double noise_floor) {
   LogTrust trust;
   // A machine with states leaves no stretches.
-  if (std::all_of(log.stretches.begin(), log.stretches.end(), [](const auto& s) { return s.empty(); }))
-    return trust;
+  if (std::ranges::all_of(log.stretches, [](const auto& s) { return s.empty(); })) return trust;
   trust.floor = JudgeFloor(*log.model, log.stretches, log.window, theta, log.machine);
   trust.rate = JudgeSamplingRate(*log.model, log.stretches, log.window, theta, trust.floor, noise_floor);
   return trust;
@@ -77,7 +77,7 @@ LogTrust JudgeStrokes(const LogStrokes& log) {
 }
 
 nlohmann::json NoiseJson(const FloorTrust& floor) {
-  const auto number = [](double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(); };
+  const auto number = [](double x) { return JsonNumber(x); };
   nlohmann::json signals = nlohmann::json::array();
   for (const SignalNoise& s : floor.signals)
     signals.push_back({{"signal", s.name},

@@ -89,7 +89,7 @@ SizeWatch::Range SizeWatch::Seen(std::size_t signal) const {
   const auto at = [&](double share) {
     const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(known.size() - 1));
     std::nth_element(known.begin(), known.begin() + k, known.end());
-    return known[static_cast<std::size_t>(k)];
+    return known[k];
   };
   double steps = 0;
   for (std::size_t k = 1; k < means_[signal].size(); ++k) {

@@ -35,10 +35,10 @@ class RawReader : public LogReader {
     const auto begin = static_cast<std::ptrdiff_t>(next_), n = static_cast<std::ptrdiff_t>(rows);
     std::copy_n(window_.time.begin() + begin, n, block.time.begin());
     for (std::size_t s = 0; s < names_.size(); ++s) {
-      const auto found = std::find(window_.signals.begin(), window_.signals.end(), names_[s]);
+      const auto found = std::ranges::find(window_.signals, names_[s]);
       if (found == window_.signals.end()) {
-        std::fill(block.signal[s].begin(), block.signal[s].end(), std::numeric_limits<double>::quiet_NaN());
-        std::fill(block.quality[s].begin(), block.quality[s].end(), quality::kMissing);
+        std::ranges::fill(block.signal[s], std::numeric_limits<double>::quiet_NaN());
+        std::ranges::fill(block.quality[s], quality::kMissing);
         continue;
       }
       const auto column = static_cast<std::size_t>(found - window_.signals.begin());

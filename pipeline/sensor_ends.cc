@@ -21,7 +21,7 @@ constexpr double kPaceAtEnd = 0.5;
 
 double MiddleStep(std::vector<double> values) {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
@@ -74,8 +74,8 @@ bool IsStated(const Machine& machine, double at) {
     const double value = std::strtod(limit.c_str(), &rest);
     return !limit.empty() && *rest == '\0' && std::abs(value - at) <= 1e-6 * std::abs(at);
   };
-  return std::any_of(machine.states.states.begin(), machine.states.states.end(),
-                     [&](const StateSpec& state) { return says(state.min) || says(state.max); });
+  return std::ranges::any_of(machine.states.states,
+                             [&](const StateSpec& state) { return says(state.min) || says(state.max); });
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vecto
 }
 
 Told SensorEndText(const SensorEnd& end, const Machine& machine) {
-  const std::string& signal = machine.signals[static_cast<std::size_t>(end.signal)].name;
+  const std::string& signal = machine.signals[end.signal].name;
   const DisplayUnit unit = ShownUnit(machine, signal);
   return Tell(
       "{} stands at its {} reading, {:.4g} {}, in {} rows: its sensor or converter ends there, and these readings are left out; "

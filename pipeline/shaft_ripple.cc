@@ -70,12 +70,11 @@ void TakeOutTrend(std::vector<Revolution>& revolutions) {
                      static_cast<double>(std::max<std::size_t>(1, after - before)));
   }
   for (std::size_t r = 0; r < revolutions.size(); ++r)
-    for (int k = 0; k < kOrders; ++k)
-      revolutions[r].order[static_cast<std::size_t>(k)] -= Complex(0, slopes[r] / (kTurn * (k + 1)));
+    for (int k = 0; k < kOrders; ++k) revolutions[r].order[k] -= Complex(0, slopes[r] / (kTurn * (k + 1)));
 }
 
 double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/contains.h"
 #include "pipeline/shaft_ripple.h"
 
 namespace hydroscope {
@@ -75,7 +76,7 @@ void TakePolygon(const Episode& episode, int signal, const std::vector<Place>& p
   std::vector<double> diagonal(count, 0.0), next(count, 0.0), right(count, 0.0);
   std::size_t k = 0;
   for (int row = 0; row < episode.rows(); ++row) {
-    const double t = episode.time[static_cast<std::size_t>(row)], y = episode.signal(row, signal);
+    const double t = episode.time[row], y = episode.signal(row, signal);
     if (t > places.back().time) break;
     while (k + 2 < count && places[k + 1].time < t) ++k;
     const double b = (t - places[k].time) / (places[k + 1].time - places[k].time), a = 1 - b;
@@ -100,7 +101,7 @@ void TakePolygon(const Episode& episode, int signal, const std::vector<Place>& p
 ShaftRipple RippleOf(const Episode& episode, int signal, const std::vector<double>& angle) {
   std::vector<double> turns, readings;
   for (int row = 0; row < episode.rows(); ++row) {
-    turns.push_back(angle[static_cast<std::size_t>(row)] / kRowsPerRevolution);
+    turns.push_back(angle[row] / kRowsPerRevolution);
     readings.push_back(episode.signal(row, signal));
   }
   return {turns, readings};
@@ -113,7 +114,7 @@ void TakeMeans(const Episode& episode, int signal, const std::vector<double>& an
   out.signal.col(signal).setConstant(std::numeric_limits<double>::quiet_NaN());
   const ShaftRipple ripple = RippleOf(episode, signal, angle);
   const auto reading = [&](int row) {
-    return episode.signal(row, signal) - ripple.At(angle[static_cast<std::size_t>(row)] / kRowsPerRevolution);
+    return episode.signal(row, signal) - ripple.At(angle[row] / kRowsPerRevolution);
   };
   for (std::size_t k = kRowsPerRevolution; k < places.size(); k += kRowsPerRevolution) {
     const Place &from = places[k - kRowsPerRevolution], &to = places[k];
@@ -146,7 +147,7 @@ Episode AtShaftAngles(const Episode& episode, int speed, const std::vector<int>&
   for (const Place& p : places) out.time.push_back(p.time);
   out.signal.resize(out.rows(), episode.signal.cols());
   for (int s = 0; s < episode.signal.cols(); ++s) {
-    if (std::find(outputs.begin(), outputs.end(), s) != outputs.end())
+    if (Contains(outputs, s))
       TakeMeans(episode, s, angle, places, out);
     else if (hold != InputHold::kZero)
       TakePolygon(episode, s, places, out);

@@ -17,8 +17,7 @@ constexpr double kGapPeriods = 1.5;
 
 std::string ConditionText(const Machine& machine, const GateBound& bound) {
   const int index = machine.SignalIndex(bound.signal);
-  const auto unit =
-      index < 0 ? std::nullopt : FindUnit(machine.signals[static_cast<std::size_t>(index)].unit);
+  const auto unit = index < 0 ? std::nullopt : FindUnit(machine.signals[index].unit);
   std::string si(unit ? unit->si : "");
   if (bound.rate && si == "m") si = "m/s";
   const DisplayUnit shown = DisplayUnitFor(si);

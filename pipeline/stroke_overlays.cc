@@ -22,7 +22,7 @@ void StrokeOverlays::AddFlows(const SpanEquations& equations) {
   // The matrix keeps the room of the longest span; the times say how many windows there are.
   for (std::size_t window = 0; window < equations.flow_time.size(); ++window) {
     time_.push_back(equations.flow_time[window]);
-    flows_.push_back(equations.flow.col(static_cast<Eigen::Index>(window)));
+    flows_.push_back(equations.flow.col(window));
   }
 }
 
@@ -67,7 +67,7 @@ std::vector<StrokeOverlay> StrokeOverlays::Choose(std::int64_t first_sequence) c
   if (!kept_.empty()) {
     std::vector<const Kept*> by_error;
     for (const Kept& k : kept_) by_error.push_back(&k);
-    std::sort(by_error.begin(), by_error.end(), [](const Kept* a, const Kept* b) {
+    std::ranges::sort(by_error, [](const Kept* a, const Kept* b) {
       return a->rms != b->rms ? a->rms < b->rms : a->overlay.sequence < b->overlay.sequence;
     });
     chosen.push_back(by_error[by_error.size() / 2]->overlay);

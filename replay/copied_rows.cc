@@ -1,6 +1,5 @@
 #include "replay/copied_rows.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "replay/retimed_reader.h"

@@ -61,7 +61,7 @@ void CsvReader::MakeColumns() {
   const auto column = [this](int index) -> Column& {
     if (columns_.size() <= static_cast<std::size_t>(index))
       columns_.resize(static_cast<std::size_t>(index) + 1);
-    return columns_[static_cast<std::size_t>(index)];
+    return columns_[index];
   };
   if (plan_.time != ColumnPlan::kAbsent) {
     SplitFields(LineAt(lines_.cursor()), layout_.separator, fields_);
@@ -100,7 +100,7 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
     at = static_cast<const char*>(::rawmemchr(line.data() + line.size(), '\n')) + 1;
     SplitFields(line, layout_.separator, fields_);
     if (static_cast<std::size_t>(plan_.time) >= fields_.size()) continue;
-    if (const auto time = TimeOf(fields_[static_cast<std::size_t>(plan_.time)]))
+    if (const auto time = TimeOf(fields_[plan_.time]))
       times.push_back(time_is_text_ ? *time : *time * plan_.time_scale);
   }
   sample_period_ = SamplePeriodOf(times);
@@ -110,21 +110,20 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
       "'{}' (unit of time in [log]), or give sample_period in s there",
       "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
       "(unit von time in [log]), oder dort sample_period in s angeben",
-      origin_, layout_.names[static_cast<std::size_t>(plan_.time)], times.size(), format.time_unit));
+      origin_, layout_.names[plan_.time], times.size(), format.time_unit));
 }
 
 void CsvReader::PointInto(SampleBlock& block) {
   for (Column& column : columns_) {
     if (column.use == Use::kSkip) continue;
-    column.out = column.signal == kTime ? block.time.data()
-                                        : block.signal[static_cast<std::size_t>(column.signal)].data();
+    column.out = column.signal == kTime ? block.time.data() : block.signal[column.signal].data();
     column.lessons = kLessons;
   }
 }
 
 Result<std::size_t> CsvReader::Read(SampleBlock& block, std::size_t max_rows) {
   block.Resize(signals_.size(), max_rows);
-  for (auto& column : block.quality) std::fill(column.begin(), column.end(), quality::kGood);
+  for (auto& column : block.quality) std::ranges::fill(column, quality::kGood);
   PointInto(block);
   std::size_t rows = 0;
   while (rows < max_rows) {
@@ -326,11 +325,11 @@ void CsvReader::ReadOddValue(std::string_view field, std::size_t signal, std::si
   block.signal[signal][row] = finite ? *number : kNaN;
   if (finite) return;
   block.quality[signal][row] |= quality::kMissing;
-  ++counters_.flagged[static_cast<std::size_t>(FlagBit(quality::kMissing))];
+  ++counters_.flagged[FlagBit(quality::kMissing)];
   if (number || IsMissingMark(field)) return;
-  AddFinding(counters_, {line_, layout_.names[static_cast<std::size_t>(plan_.column[signal])],
-                         std::string(field.substr(0, kLongestQuote)),
-                         fmt::format("number in {}", signals_[signal].unit)});
+  AddFinding(counters_,
+             {line_, layout_.names[plan_.column[signal]], std::string(field.substr(0, kLongestQuote)),
+              fmt::format("number in {}", signals_[signal].unit)});
 }
 
 void CsvReader::Reject(const std::string& column, std::string_view found, const std::string& expected) {
@@ -348,10 +347,10 @@ void CsvReader::FillDerived(SampleBlock& block, std::size_t rows) {
       std::fill_n(block.quality[s].begin(), rows, quality::kMissing);
       continue;
     }
-    const int writer = columns_[static_cast<std::size_t>(column)].signal;
+    const int writer = columns_[column].signal;
     if (writer == static_cast<int>(s)) continue;
-    block.signal[s] = writer == kTime ? block.time : block.signal[static_cast<std::size_t>(writer)];
-    if (writer != kTime) block.quality[s] = block.quality[static_cast<std::size_t>(writer)];
+    block.signal[s] = writer == kTime ? block.time : block.signal[writer];
+    if (writer != kTime) block.quality[s] = block.quality[writer];
   }
   if (plan_.time != ColumnPlan::kAbsent && !time_is_text_ && plan_.time_scale != 1.0)
     for (std::size_t row = 0; row < rows; ++row) block.time[row] *= plan_.time_scale;

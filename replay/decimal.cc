@@ -57,8 +57,8 @@ const char* ParseDecimalGeneral(const char* text, char point, double& value) {
   if (parts.significant <= 19 && parts.mantissa <= (std::uint64_t{1} << 53) && parts.exponent >= -22 &&
       parts.exponent <= 22) {
     const double mantissa = static_cast<double>(parts.mantissa);
-    magnitude = parts.exponent < 0 ? mantissa / kPowersOfTen[static_cast<std::size_t>(-parts.exponent)]
-                                   : mantissa * kPowersOfTen[static_cast<std::size_t>(parts.exponent)];
+    magnitude = parts.exponent < 0 ? mantissa / kPowersOfTen[-parts.exponent]
+                                   : mantissa * kPowersOfTen[parts.exponent];
   } else {
     const fast_float::parse_options options(fast_float::chars_format::general, point);
     if (fast_float::from_chars_advanced(unsigned_text, p, magnitude, options).ptr != p) return nullptr;

@@ -38,7 +38,7 @@ bool FieldShape::Learn(const char* text, std::int64_t characters, char point) {
   shape.within = (2u << last) - 1;
   shape.width = characters;
   shape.sign = std::uint64_t{negative} << 63;
-  shape.divisor = kPowersOfTen[static_cast<std::size_t>(fraction)];
+  shape.divisor = kPowersOfTen[fraction];
   *this = shape;
   return true;
 }

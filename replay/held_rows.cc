@@ -34,8 +34,7 @@ Rhythm RhythmOf(const std::vector<std::size_t>& changes) {
     apart.push_back(static_cast<double>(changes[k] - changes[k - 1]));
   const double middle = Median(apart, 0);
   const auto share = [&](auto&& holds) {
-    return static_cast<double>(std::count_if(apart.begin(), apart.end(), holds)) /
-           static_cast<double>(apart.size());
+    return static_cast<double>(std::ranges::count_if(apart, holds)) / static_cast<double>(apart.size());
   };
   if (share([](double rows) { return rows == 1; }) > kAtOnce) return Rhythm::kEveryRow;
   return share([&](double rows) { return std::abs(rows - middle) <= 1; }) >= kInRhythm ? Rhythm::kHeld
@@ -82,7 +81,7 @@ std::optional<HeldRows> FindHeldRows(const SampleBlock& head, const Machine& mac
   if (held.signals.size() < 2) return std::nullopt;
   std::vector<std::size_t> any;
   for (const auto& rows : changes) any.insert(any.end(), rows.begin(), rows.end());
-  std::sort(any.begin(), any.end());
+  std::ranges::sort(any);
   any.erase(std::unique(any.begin(), any.end()), any.end());
   for (const auto& rows : changes)
     if (static_cast<double>(rows.size()) < kTogether * static_cast<double>(any.size())) return std::nullopt;

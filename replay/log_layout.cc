@@ -72,8 +72,8 @@ std::vector<bool> NumberColumns(const std::vector<std::vector<FieldKind>>& rows,
 RowShape LearnShape(const std::vector<Line>& lines, Dialect dialect) {
   constexpr std::size_t kMostLines = 60;
   // The second half: whatever stands above the data, most of these lines are data.
-  const auto filled = static_cast<std::size_t>(std::count_if(
-      lines.begin(), lines.end(), [](const Line& line) { return !Trimmed(line.text).empty(); }));
+  const auto filled = static_cast<std::size_t>(
+      std::ranges::count_if(lines, [](const Line& line) { return !Trimmed(line.text).empty(); }));
   const std::size_t looked_at = std::clamp<std::size_t>(filled / 2, 1, kMostLines);
   std::vector<std::vector<FieldKind>> rows;
   std::vector<std::string_view> fields;
@@ -93,7 +93,7 @@ RowShape LearnShape(const std::vector<Line>& lines, Dialect dialect) {
   shape.score = score / static_cast<double>(rows.size());
   std::vector<std::size_t> counts;
   for (const auto& row : rows) counts.push_back(row.size());
-  std::sort(counts.begin(), counts.end());
+  std::ranges::sort(counts);
   shape.fields = counts[counts.size() / 2];
   shape.number = NumberColumns(rows, shape.fields);
   return shape;
@@ -181,16 +181,16 @@ class HeadFinder {
 
  private:
   const std::vector<std::string_view>& Fields(int line) {
-    SplitFields(WithoutCommentSign(lines_[static_cast<std::size_t>(line)].text), dialect_.separator, fields_);
+    SplitFields(WithoutCommentSign(lines_[line].text), dialect_.separator, fields_);
     return fields_;
   }
   int Count() const { return static_cast<int>(lines_.size()); }
-  bool Empty(int line) const { return Trimmed(lines_[static_cast<std::size_t>(line)].text).empty(); }
+  bool Empty(int line) const { return Trimmed(lines_[line].text).empty(); }
 
   int FirstData(int from) {
     for (int line = from; line < Count(); ++line) {
       if (Empty(line)) continue;
-      SplitFields(lines_[static_cast<std::size_t>(line)].text, dialect_.separator, fields_);
+      SplitFields(lines_[line].text, dialect_.separator, fields_);
       if (LooksLikeData(fields_, shape_, dialect_.decimal)) return line;
     }
     return -1;
@@ -338,10 +338,10 @@ Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, co
   layout.header = found.header >= 0;
   layout.unit_row = found.unit_row >= 0;
   layout.skip_lines = layout.header ? found.header : layout.unit_row ? found.unit_row : found.data;
-  layout.data_offset = lines[static_cast<std::size_t>(found.data)].offset;
+  layout.data_offset = lines[found.data].offset;
   layout.data_line = found.data + 1;
-  SetNames(layout.header ? lines[static_cast<std::size_t>(found.header)].text : "", shape, layout);
-  SetUnits(layout.unit_row ? lines[static_cast<std::size_t>(found.unit_row)].text : "", layout);
+  SetNames(layout.header ? lines[found.header].text : "", shape, layout);
+  SetUnits(layout.unit_row ? lines[found.unit_row].text : "", layout);
   SetFields(lines, found.data, shape, layout);
   return layout;
 }

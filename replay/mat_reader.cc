@@ -47,8 +47,7 @@ Status MatReader::CheckLengths(const std::string& path) {
       return BadInput(
           Tell("log '{}': '{}' has {} values, '{}' has {}; expected as many in all columns that are used",
                "Log '{}': '{}' hat {} Werte, '{}' hat {}; erwartet gleich viele in allen benutzten Spalten",
-               path, layout_.names[static_cast<std::size_t>(column)], rows,
-               layout_.names[static_cast<std::size_t>(reference)], expected));
+               path, layout_.names[column], rows, layout_.names[reference], expected));
   }
   rows_ = reference == ColumnPlan::kAbsent ? 0 : columns_->rows(static_cast<std::size_t>(reference));
   return {};
@@ -108,8 +107,7 @@ Result<std::size_t> MatReader::Read(SampleBlock& block, std::size_t max_rows) {
     ++next_;
     if (!std::isfinite(time)) {
       ++counters_.rejected_rows;
-      AddFinding(counters_, {next_, layout_.names[static_cast<std::size_t>(plan_.time)],
-                             fmt::format("{}", time), "time as a number"});
+      AddFinding(counters_, {next_, layout_.names[plan_.time], fmt::format("{}", time), "time as a number"});
       continue;
     }
     block.time[row] = time;
@@ -130,7 +128,7 @@ void MatReader::TakeRow(std::size_t from, std::size_t row, SampleBlock& block) {
     const bool finite = std::isfinite(value);
     block.signal[s][row] = finite ? value : kNaN;
     block.quality[s][row] = finite ? quality::kGood : quality::kMissing;
-    if (!finite && !absent) ++counters_.flagged[static_cast<std::size_t>(FlagBit(quality::kMissing))];
+    if (!finite && !absent) ++counters_.flagged[FlagBit(quality::kMissing)];
   }
 }
 

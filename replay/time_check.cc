@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "replay/column_plan.h"
-
 namespace hydroscope {
 namespace {
 
@@ -20,7 +18,7 @@ double SamplePeriodOf(const std::vector<double>& times) {
   for (std::size_t i = 1; i < times.size(); ++i)
     if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
   if (steps.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  const auto middle = steps.begin() + steps.size() / 2;
   std::nth_element(steps.begin(), middle, steps.end());
   const double median = *middle;
   double sum = 0;
@@ -51,7 +49,7 @@ void TimeChecker::Check(SampleBlock& block, LogCounters& counters) {
     if (flags == quality::kGood) continue;
     for (auto& column : block.quality) column[row] |= flags;
     for (int bit = 0; bit < 16; ++bit)
-      if ((flags >> bit) & 1) counters.flagged[static_cast<std::size_t>(bit)] += std::ssize(block.quality);
+      if ((flags >> bit) & 1) counters.flagged[bit] += std::ssize(block.quality);
   }
 }
 

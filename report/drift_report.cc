@@ -125,7 +125,7 @@ std::vector<double> ChangesOf(const drift::DriftMonitor& monitor, const std::str
 /// One quantity; "" if it is not watched or nothing of it was judged.
 std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
                           const std::vector<AxisMonitor::JudgedValue>& values) {
-  const drift::Quantity& quantity = monitor.model().quantities()[static_cast<std::size_t>(q)];
+  const drift::Quantity& quantity = monitor.model().quantities()[q];
   const Blocks blocks = BlocksOf(values, q);
   if (!monitor.watched(q) || blocks.stroke.empty()) return "";
   const double typical = monitor.reference().typical(q);
@@ -135,8 +135,8 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
   const std::string deviation = DeviationPlot(blocks, info, monitor.sizes(q).smallest,
                                               ChangesOf(monitor, quantity.name), width, counted);
   if (quantity.effect) return deviation;
-  return "<div class=\"pair\">" + deviation +
-         CurvePlot(monitor.reference().curves()[static_cast<std::size_t>(q)], blocks, info) + "</div>\n";
+  return "<div class=\"pair\">" + deviation + CurvePlot(monitor.reference().curves()[q], blocks, info) +
+         "</div>\n";
 }
 
 /// Finding, evidence, cause and action apart, as far as the alarm has them apart.
@@ -200,7 +200,7 @@ Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning) {
   out += LearnedFrom(reference, values->size(), CountedWordsOf(monitor.model().kind()));
   std::string moved, quiet;  // what has changed comes first
   for (int q = 0; q < monitor.model().size(); ++q) {
-    const std::string& name = monitor.model().quantities()[static_cast<std::size_t>(q)].name;
+    const std::string& name = monitor.model().quantities()[q].name;
     (ChangesOf(monitor, name).empty() ? quiet : moved) += QuantityPlots(monitor, q, *values);
   }
   return out + moved + quiet;

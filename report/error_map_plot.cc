@@ -29,7 +29,7 @@ std::vector<double> MapEdges(const ErrorMap& map, const std::vector<ResidualSign
                              std::size_t axis) {
   std::set<double> edges;
   for (const MapCell& cell : map.cells) edges.insert({cell.from[axis], cell.to[axis]});
-  const ResidualSignal& signal = signals[static_cast<std::size_t>(map.signals[axis])];
+  const ResidualSignal& signal = signals[map.signals[axis]];
   std::vector<double> shown;
   for (const double edge : edges) shown.push_back(edge * signal.factor + signal.offset);
   return shown;
@@ -42,8 +42,8 @@ std::string ErrorMapPlot(const ErrorMap& map, const std::vector<ResidualSignal>&
   std::vector<double> values((x.size() - 1) * (y.size() - 1), kNaN);
   const auto place = [&](const std::vector<double>& edges, double si, const ResidualSignal& signal) {
     const double shown = si * signal.factor + signal.offset;
-    return static_cast<std::size_t>(
-        std::lower_bound(edges.begin(), edges.end(), shown - 1e-9 * std::abs(shown)) - edges.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(edges, shown - 1e-9 * std::abs(shown)) -
+                                    edges.begin());
   };
   for (const MapCell& cell : map.cells) {
     if (cell.windows == 0) continue;

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/interval_text.h"
 #include "models/output_unit.h"
 #include "report/error_map_plot.h"
@@ -29,7 +28,7 @@ bool TemperatureMoves(const ErrorMap& map, const ExplainResult& result) {
   const std::vector<ResidualSignal>& signals = result.signals;
   constexpr double kWorthAnAxis = 2.0;  // K
   for (std::size_t axis = 0; axis < map.signals.size(); ++axis) {
-    const int channel = signals[static_cast<std::size_t>(map.signals[axis])].channel;
+    const int channel = signals[map.signals[axis]].channel;
     if (channel < 0 || channel != result.log.model->temperature_channel) continue;
     const std::vector<double> edges = MapEdges(map, signals, axis);
     if (edges.back() - edges.front() < kWorthAnAxis) return false;
@@ -82,7 +81,7 @@ std::string RankingPlot(const ExplainResult& result) {
     PlotRow row = ErrorLeft(ranked.fit, base);
     const EffectEstimate& size = ranked.fit.effects.back();
     const Effect& effect = result.effect(ranked.effect);
-    const bool chosen = std::find(x.set.begin(), x.set.end(), ranked.id) != x.set.end();
+    const bool chosen = Contains(x.set, ranked.id);
     row.label = ranked.id;
     row.bold = chosen;
     // Blue is for what lowers the error beyond its scatter over the strokes: a bar that spans 100 % is not.

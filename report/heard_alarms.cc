@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "report/svg_text.h"
 #include "workbench/history/stored_change.h"
 
@@ -18,7 +18,7 @@ bool TellsOfParameters(const AlarmState& alarm) {
 
 bool SpeaksOf(const AlarmState& alarm, const std::string& parameter) {
   const auto& told = alarm.quantities;
-  return TellsOfParameters(alarm) && std::find(told.begin(), told.end(), parameter) != told.end();
+  return TellsOfParameters(alarm) && Contains(told, parameter);
 }
 
 /// What the estimates did since an alarm says that something else changed; "" = nothing that stands out.

@@ -277,7 +277,7 @@ std::string QualityTable(const ReportInput& input, const CountedWords& counted) 
   row("used for the parameters", sum.used);
   bool flagged = false;
   for (const quality::FlagName& flag : quality::kFlagNames) {
-    const auto rows = sum.flagged[static_cast<std::size_t>(std::countr_zero(flag.flag))];
+    const auto rows = sum.flagged[std::countr_zero(flag.flag)];
     if (rows > 0) row("flagged " + FlagText(flag.name), rows), flagged = true;
   }
   out += "</table>";

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "models/counted_words.h"
 #include "report/report.h"

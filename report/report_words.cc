@@ -7,7 +7,6 @@
 
 #include "core/constants.h"
 #include "core/relative_change.h"
-#include "diagnosis/remainder/locate.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "report/error_words.h"
@@ -299,13 +298,12 @@ void AddOilSentence(std::vector<std::string>& out, const TrendAnalysis& analysis
 }
 
 bool AnyChangeKnown(const TrendAnalysis& analysis) {
-  return std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
-                     [](const auto& p) { return p.change.change.Known(); });
+  return std::ranges::any_of(analysis.parameters, [](const auto& p) { return p.change.change.Known(); });
 }
 
 std::string UnknownHeadline(const TrendAnalysis& analysis, const CountedWords& counted) {
-  const bool identified = std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
-                                      [](const auto& p) { return p.updated > 0; });
+  const bool identified =
+      std::ranges::any_of(analysis.parameters, [](const auto& p) { return p.updated > 0; });
   if (!identified) return "No verdict: nothing was identified";
   return AnyChangeKnown(analysis) ? "No change stands out, but not every parameter could be identified"
                                   : fmt::format("No verdict yet: too few {}", counted.many);

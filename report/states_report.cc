@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/relative_change.h"
 #include "models/counted_words.h"
 #include "models/output_unit.h"
@@ -121,7 +122,7 @@ std::string CoursePlot(const StatesExplained& e, std::span<const Episode> episod
   const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
   std::vector<double> time, measured, as_it_is, with;
   for (int row = 0; row < episode.rows(); ++row) {
-    time.push_back(episode.time[static_cast<std::size_t>(row)] - episode.time.front());
+    time.push_back(episode.time[row] - episode.time.front());
     measured.push_back(shown(episode.signal(row, base.model->outputs[at])));
     as_it_is.push_back(shown(base.runs[index].outputs(row, output)));
     if (!e.explanation.final.added.empty()) with.push_back(shown(extended.runs[index].outputs(row, output)));
@@ -228,7 +229,7 @@ std::string Ranking(const StatesExplained& e) {
     const std::string& id = candidate.added.front();
     if (x.not_seen.contains(id)) continue;
     const double rms = words.factor * ShownLeftOut(e, candidate);
-    const bool chosen = std::find(x.set.begin(), x.set.end(), id) != x.set.end();
+    const bool chosen = Contains(x.set, id);
     plot.rows.push_back({id, rms, rms, rms,
                          FormatShort(rms) + (candidate.fitted() ? "" : " (by linearisation)"),
                          chosen ? Ink::kGreen : Ink::kNeutral, chosen});
@@ -253,8 +254,8 @@ std::string Parameters(const StatesExplained& e) {
       "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it is</th>";
   out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
   for (const Estimate& now : extended ? e.final_parameters : e.base_parameters) {
-    const auto before = std::find_if(e.base_parameters.begin(), e.base_parameters.end(),
-                                     [&](const Estimate& b) { return b.parameter == now.parameter; });
+    const auto before = std::ranges::find_if(e.base_parameters,
+                                             [&](const Estimate& b) { return b.parameter == now.parameter; });
     const bool known = before != e.base_parameters.end();
     out += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(now.parameter),
                        known ? shown(*before) : "–");

@@ -99,9 +99,9 @@ std::vector<std::size_t> DecimateMinMax(const std::vector<double>& y, std::size_
       continue;
     }
     const auto [least, greatest] =
-        std::minmax_element(finite.begin(), finite.end(), [&](auto a, auto c) { return y[a] < y[c]; });
+        std::ranges::minmax_element(finite, [&](auto a, auto c) { return y[a] < y[c]; });
     std::vector<std::size_t> chosen = {finite.front(), *least, *greatest, finite.back()};
-    std::sort(chosen.begin(), chosen.end());
+    std::ranges::sort(chosen);
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     kept.insert(kept.end(), chosen.begin(), chosen.end());
   }

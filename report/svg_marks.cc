@@ -50,8 +50,7 @@ std::string Px(double value) {
 
 double TextWidth(const std::string& text) {
   const std::string plain = PlainSymbol(text);
-  return 6.9 * static_cast<double>(
-                   std::count_if(plain.begin(), plain.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return 6.9 * static_cast<double>(std::ranges::count_if(plain, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 std::string MarkerPath(Marker marker, double x, double y, double r) {

@@ -99,8 +99,8 @@ class Renderer {
       if (const auto* level = std::get_if<SvgPlot::LevelLayer>(&layer); level && std::isfinite(level->y))
         levels.push_back(level->y);
     const double centre = (data.low + data.high) / 2;
-    std::sort(levels.begin(), levels.end(),
-              [&](double a, double b) { return std::abs(a - centre) < std::abs(b - centre); });
+    std::ranges::sort(levels,
+                      [&](double a, double b) { return std::abs(a - centre) < std::abs(b - centre); });
     for (const double level : levels) {
       Extent wider = y;
       wider.Add(level);
@@ -273,7 +273,7 @@ class Renderer {
     std::vector<std::size_t> kept = DecimateMinMax(layer.low, Columns() / 2);
     const std::vector<std::size_t> kept_high = DecimateMinMax(layer.high, Columns() / 2);
     kept.insert(kept.end(), kept_high.begin(), kept_high.end());
-    std::sort(kept.begin(), kept.end());
+    std::ranges::sort(kept);
     kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
     for (const std::size_t i : kept) {
       if (std::isfinite(X(layer.x[i])) && std::isfinite(layer.low[i]) && std::isfinite(layer.high[i]))
@@ -290,7 +290,7 @@ class Renderer {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < layer.y.size(); ++i)
       if (std::isfinite(X(layer.x[i])) && std::isfinite(layer.y[i])) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return layer.x[a] < layer.x[b]; });
+    std::ranges::stable_sort(order, [&](auto a, auto b) { return layer.x[a] < layer.x[b]; });
     std::vector<double> sorted;
     for (const std::size_t i : order) sorted.push_back(layer.y[i]);
     std::vector<std::size_t> kept;

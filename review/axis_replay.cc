@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/contains.h"
 #include "host/text_file.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -67,7 +68,7 @@ Status AxisReplay::Store(ReplayOutcome& outcome) {
   return CollectOutcome(database_, machine_id_, *model_, outcome);
 }
 bool AxisReplay::IsOfEarlierModel(const std::string& settings) const {
-  return std::find(earlier_settings_.begin(), earlier_settings_.end(), settings) != earlier_settings_.end();
+  return Contains(earlier_settings_, settings);
 }
 
 /// Takes over the promoted model; the text that describes the machine then.

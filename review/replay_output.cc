@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/counted_words.h"
 #include "core/interval_text.h"
+#include "core/json_value.h"
 #include "core/short_number.h"
 #include "core/units.h"
 #include "models/counted_words.h"
@@ -145,24 +146,23 @@ nlohmann::json LogJson(const LogReplay& r) {
   for (const LogFinding& f : r.summary.findings)
     findings.push_back(
         {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
-  return {
-      {"log", r.log},
-      {"status", StatusName(r.status)},
-      {"error", r.problem.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.problem)},
-      {"stopped", r.summary.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.summary.stopped)},
-      {"run", r.run.id},
-      {"first_sequence", r.run.first_sequence},
-      {"strokes", r.run.strokes},
-      {"strokes_stored_before", r.stored_before},
-      {"rows", r.summary.rows},
-      {"rejected_rows", r.summary.rejected_rows},
-      {"gated_rows", r.summary.gated},
-      {"used_rows", r.summary.used},
-      {"discarded_strokes", r.summary.discarded_strokes},
-      {"flagged", r.summary.flagged},
-      {"absent", r.summary.absent},
-      {"findings", findings},
-      {"notes", r.notes}};
+  return {{"log", r.log},
+          {"status", StatusName(r.status)},
+          {"error", JsonOrNull(r.problem)},
+          {"stopped", JsonOrNull(r.summary.stopped)},
+          {"run", r.run.id},
+          {"first_sequence", r.run.first_sequence},
+          {"strokes", r.run.strokes},
+          {"strokes_stored_before", r.stored_before},
+          {"rows", r.summary.rows},
+          {"rejected_rows", r.summary.rejected_rows},
+          {"gated_rows", r.summary.gated},
+          {"used_rows", r.summary.used},
+          {"discarded_strokes", r.summary.discarded_strokes},
+          {"flagged", r.summary.flagged},
+          {"absent", r.summary.absent},
+          {"findings", findings},
+          {"notes", r.notes}};
 }
 
 std::string AlarmTable(const std::vector<AlarmState>& alarms) {
@@ -234,7 +234,7 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
   const DisplayUnit unit = OutputUnit(outcome.machine);
   return {{"machine", outcome.machine.name},
           {"database", options.database},
-          {"report", outcome.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(outcome.report)},
+          {"report", JsonOrNull(outcome.report)},
           {"complete", outcome.Complete()},
           {"logs", logs},
           {"runs", outcome.runs.size()},

@@ -81,23 +81,22 @@ const char* StatusName(ReplayStatus status) {
 }
 
 bool ReplayOutcome::Complete() const {
-  return std::all_of(logs.begin(), logs.end(), [](const LogReplay& r) {
+  return std::ranges::all_of(logs, [](const LogReplay& r) {
     return r.status != ReplayStatus::kFailed && r.run.strokes > 0 && r.summary.rejected_rows == 0 &&
            r.summary.stopped.empty();
   });
 }
 
 bool ReplayOutcome::Failed() const {
-  return std::all_of(logs.begin(), logs.end(),
-                     [](const LogReplay& r) { return r.status == ReplayStatus::kFailed; });
+  return std::ranges::all_of(logs, [](const LogReplay& r) { return r.status == ReplayStatus::kFailed; });
 }
 
 bool PressReplay::Complete() const {
-  return std::all_of(machines.begin(), machines.end(), [](const ReplayOutcome& m) { return m.Complete(); });
+  return std::ranges::all_of(machines, [](const ReplayOutcome& m) { return m.Complete(); });
 }
 
 bool PressReplay::Failed() const {
-  return std::all_of(machines.begin(), machines.end(), [](const ReplayOutcome& m) { return m.Failed(); });
+  return std::ranges::all_of(machines, [](const ReplayOutcome& m) { return m.Failed(); });
 }
 
 Result<PressReplay> RunReplay(const ReplayOptions& options) {
@@ -112,9 +111,7 @@ Result<PressReplay> RunReplay(const ReplayOptions& options) {
     auto database = Database::Open(options.database);
     if (!database) return tl::unexpected(database.error());
     const std::string report =
-        shares->size() > 1
-            ? ReportOfAxis(options.report, machine->live->axes[static_cast<std::size_t>(share.axis)])
-            : options.report;
+        shares->size() > 1 ? ReportOfAxis(options.report, machine->live->axes[share.axis]) : options.report;
     axes.push_back(std::make_unique<AxisReplay>(options, share, report, *machine, std::move(*database)));
     if (const Status stored = axes.back()->Store(replay.machines.emplace_back()); !stored)
       return tl::unexpected(stored.error());

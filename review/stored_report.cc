@@ -54,8 +54,7 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   if (!InEpisodes(KindOf(outcome.machine)))  // whose effects are tried on logs alone
     AddStoredExplanation(*database, path, *part, outcome.machine, *input);
   if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
-  const auto standing =
-      std::count_if(alarms.begin(), alarms.end(), [](const AlarmState& a) { return a.active; });
+  const auto standing = std::ranges::count_if(alarms, [](const AlarmState& a) { return a.active; });
   return StoredReport{part->machine, part->strokes(), CountedWordsOf(outcome.machine), outcome.runs.size(),
                       standing};
 }

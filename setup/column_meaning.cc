@@ -9,10 +9,10 @@ namespace hydroscope {
 namespace {
 
 bool Taken(const std::vector<ColumnRole>& roles, Role role) {
-  return std::any_of(roles.begin(), roles.end(), [&](const ColumnRole& r) { return r.role == role; });
+  return std::ranges::any_of(roles, [&](const ColumnRole& r) { return r.role == role; });
 }
 bool Used(const std::vector<ColumnRole>& roles, std::size_t column) {
-  return std::any_of(roles.begin(), roles.end(), [&](const ColumnRole& r) { return r.column == column; });
+  return std::ranges::any_of(roles, [&](const ColumnRole& r) { return r.column == column; });
 }
 
 void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
@@ -75,8 +75,8 @@ void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles
     if (!Used(roles, i) && head.columns[i].numeric() && head.columns[i].high > 5e5 &&
         head.columns[i].low > -2e6 && MayBe(Role::kPressure, head.columns[i]))
       found.push_back(i);
-  std::sort(found.begin(), found.end(),
-            [&](std::size_t a, std::size_t b) { return head.columns[a].span() > head.columns[b].span(); });
+  std::ranges::sort(
+      found, [&](std::size_t a, std::size_t b) { return head.columns[a].span() > head.columns[b].span(); });
   const auto give = [&](std::size_t column, Role role, const Told& why) {
     if (!Taken(roles, role)) roles.push_back({column, role, why, false});
   };

@@ -30,10 +30,9 @@ std::optional<std::size_t> ColumnCalled(const LogColumns& head, const MachineInp
 }
 
 bool HasAllRequired(const std::vector<KindColumn>& found, const MachineKind& kind) {
-  return std::all_of(kind.signals.begin(), kind.signals.end(), [&](const MachineInput& signal) {
-    return !signal.required || std::any_of(found.begin(), found.end(), [&](const KindColumn& column) {
-      return column.signal == &signal;
-    });
+  return std::ranges::all_of(kind.signals, [&](const MachineInput& signal) {
+    return !signal.required ||
+           std::ranges::any_of(found, [&](const KindColumn& column) { return column.signal == &signal; });
   });
 }
 

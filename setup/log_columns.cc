@@ -1,6 +1,5 @@
 #include "setup/log_columns.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/constants.h"

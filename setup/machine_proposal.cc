@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/contains.h"
 #include "core/units.h"
 #include "models/machine_file/format.h"
-#include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
 #include "setup/column_meaning.h"
 #include "setup/kind_columns.h"
@@ -94,8 +94,8 @@ class Proposer {
     LogSample sample;
     sample.period = seconds_;
     for (const SignalSpec& spec : machine().signals) {
-      const LogColumn& column = *std::find_if(head_.columns.begin(), head_.columns.end(),
-                                              [&](const LogColumn& c) { return c.reference == spec.column; });
+      const LogColumn& column = *std::ranges::find_if(
+          head_.columns, [&](const LogColumn& c) { return c.reference == spec.column; });
       LogSample::Signal& signal = sample.signals[spec.name];
       signal = {column.value, column.high};
       const Unit unit = FindUnit(spec.unit).value_or(Unit{});
@@ -271,9 +271,8 @@ class Proposer {
     return free;
   }
   bool IsUsed(std::size_t column) const {
-    return std::any_of(roles_.begin(), roles_.end(),
-                       [&](const ColumnRole& r) { return r.column == column; }) ||
-           std::find(others_.begin(), others_.end(), column) != others_.end();
+    return std::ranges::any_of(roles_, [&](const ColumnRole& r) { return r.column == column; }) ||
+           Contains(others_, column);
   }
   void ListUnused() {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "storage/connection.h"
 
@@ -141,15 +142,11 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
   if (version() == kJournalFormat) return {};
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   for (int from = version(); from < kJournalFormat; ++from)  // another process may have been faster
-    db.exec(kJournalMigrations[static_cast<std::size_t>(from)]);
+    db.exec(kJournalMigrations[from]);
   db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
   db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
   transaction.commit();
   return {};
-}
-
-std::optional<double> Optional(const Query& query, int column) {
-  return query.IsNull(column) ? std::nullopt : std::optional(query.Real(column));
 }
 
 AlarmSeverity Severity(const std::string& name) {
@@ -178,7 +175,7 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     std::string severity;
     query.Read(0, a.id, severity, a.active, a.acknowledged, a.latched, a.out_of_service, a.suppressed);
     a.severity = Severity(severity);
-    a.shelved_until = Optional(query, 7);
+    if (!query.IsNull(7)) a.shelved_until = query.Real(7);
     query.Read(8, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
                a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke);
     a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
@@ -208,8 +205,7 @@ void StoreAlarm(Connection& connection, const std::string& machine, const AlarmS
 StoredMonitor LoadMonitor(Connection& connection, const std::string& machine) {
   Query query(connection, "SELECT next_stroke, model_version, state FROM monitor WHERE machine = ?", machine);
   if (!query.Step()) return {};
-  const auto blob = query.Blob(2);
-  return {query.Int(0), static_cast<int>(query.Int(1)), {blob.begin(), blob.end()}};
+  return {query.Int(0), static_cast<int>(query.Int(1)), query.Bytes(2)};
 }
 
 std::int64_t NewestSequence(Connection& connection) {
@@ -264,8 +260,7 @@ struct AlarmJournal::Impl : Connection {
 };
 
 AlarmState& AxisContent::Alarm(const std::string& id) {
-  const auto at = std::lower_bound(alarms.begin(), alarms.end(), id,
-                                   [](const AlarmState& a, const auto& b) { return a.id < b; });
+  const auto at = std::ranges::lower_bound(alarms, id, {}, &AlarmState::id);
   if (at != alarms.end() && at->id == id) return *at;
   AlarmState alarm;
   alarm.id = id;
@@ -327,8 +322,7 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
     const AxisContent before = content;
     if (const Status changed = change(content); !changed) return changed;
     for (const AlarmState& alarm : content.alarms)
-      if (std::find(before.alarms.begin(), before.alarms.end(), alarm) == before.alarms.end())
-        StoreAlarm(*impl_, machine, alarm);
+      if (!Contains(before.alarms, alarm)) StoreAlarm(*impl_, machine, alarm);
     if (content.monitor.next_stroke != before.monitor.next_stroke ||
         content.monitor.state != before.monitor.state)
       Query(*impl_, "INSERT OR REPLACE INTO monitor VALUES(?, ?, ?, ?)", machine, content.monitor.next_stroke,
@@ -398,9 +392,7 @@ Result<std::optional<StoredReference>> AlarmJournal::LatestReference(const std::
                 "machine = ? ORDER BY version DESC LIMIT 1",
                 machine);
     if (!query.Step()) return std::nullopt;
-    const auto blob = query.Blob(3);
-    return StoredReference{
-        static_cast<int>(query.Int(0)), query.Int(1), query.Int(2), {blob.begin(), blob.end()}};
+    return StoredReference{static_cast<int>(query.Int(0)), query.Int(1), query.Int(2), query.Bytes(3)};
   });
 }
 

@@ -82,7 +82,7 @@ struct Database::Impl : Connection {
 };
 
 /// One use of a prepared statement: binds in order, steps, and resets at the end of its scope. NaN is stored
-/// as NULL and read back as NaN. Blobs are not copied: they must live until the last Step.
+/// as NULL and read back as NaN; a ValueWithStd is two columns. Blobs are not copied: they must live until the last Step.
 class Query {
  public:
   template <typename... Values>
@@ -105,10 +105,14 @@ class Query {
   bool IsNull(int column) const { return statement_.getColumn(column).isNull(); }
   /// Valid until the next Step.
   std::span<const std::uint8_t> Blob(int column) const;
+  std::vector<std::uint8_t> Bytes(int column) const {
+    const auto blob = Blob(column);
+    return {blob.begin(), blob.end()};
+  }
   /// The columns from `column` on, in order.
   template <typename... Values>
   void Read(int column, Values&... values) const {
-    (Get(column++, values), ...);
+    (Get(column, values), ...);
   }
 
  private:
@@ -118,12 +122,21 @@ class Query {
   void Bind(const std::string& value) { statement_.bind(++bound_, value); }
   void Bind(const char* value) { statement_.bind(++bound_, value); }
   void Bind(const std::vector<std::uint8_t>& blob);
-  template <typename Integer>
-  void Get(int column, Integer& value) const {
-    value = static_cast<Integer>(Int(column));
+  void Bind(const ValueWithStd& value) {
+    Bind(value.value);
+    Bind(value.std);
   }
-  void Get(int column, double& value) const { value = Real(column); }
-  void Get(int column, std::string& value) const { value = Text(column); }
+  /// Each moves `column` behind what it took.
+  template <typename Integer>
+  void Get(int& column, Integer& value) const {
+    value = static_cast<Integer>(Int(column++));
+  }
+  void Get(int& column, double& value) const { value = Real(column++); }
+  void Get(int& column, std::string& value) const { value = Text(column++); }
+  void Get(int& column, ValueWithStd& value) const {
+    Get(column, value.value);
+    Get(column, value.std);
+  }
 
   SQLite::Statement& statement_;
   int bound_ = 0;

@@ -12,6 +12,7 @@
 #include "core/result.h"
 #include "core/sample_block.h"
 #include "core/stroke_record.h"
+#include "core/valve_check.h"
 #include "storage/live_batch.h"
 
 namespace hydroscope {
@@ -94,16 +95,9 @@ struct RawExtent {
 
 /// A valve check as the trend database keeps it; NaN where nothing was measured.
 struct ValveCheckRecord {
-  double begin = 0;                         ///< s
-  std::string outcome;                      ///< "measured", "refused", "broken", "no_answer", "unusable"
-  std::string detail;                       ///< one sentence for people
-  double f0 = 0, f0_std = 0;                ///< Hz
-  double damping = 0, damping_std = 0;      ///< 1
-  double gain = 0, gain_std = 0;            ///< spool position per share of full command
-  double dead_time = 0, dead_time_std = 0;  ///< s
-  double bandwidth = 0, bandwidth_std = 0;  ///< Hz
-  double amplitude = 0;                     ///< share of full command
-  double supply_pressure = 0, oil_temperature = 0;  ///< Pa, K
+  std::string outcome;  ///< "measured", "refused", "broken", "no_answer", "unusable"
+  std::string detail;   ///< one sentence for people
+  ValveCheck check;     ///< its time always
 };
 
 /// The trend database, docs/database.md. WAL, synchronous=NORMAL, one transaction per batch.

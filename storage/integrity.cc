@@ -91,7 +91,7 @@ Status Database::Check(const std::string& path, const std::stop_token& stop) {
     query.Step();
     std::string found = query.Text(0);
     if (found == "ok") return {};
-    std::replace(found.begin(), found.end(), '\n', ' ');
+    std::ranges::replace(found, '\n', ' ');
     return BadInput(Tell("{} is damaged ({})", "{} ist beschädigt ({})", path, found));
   });
   sqlite3_progress_handler(db.getHandle(), 0, nullptr, nullptr);

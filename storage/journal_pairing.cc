@@ -19,7 +19,7 @@ Result<bool> IsAhead(const AlarmJournal& journal, Database& database) {
     if (!axis) return tl::unexpected(axis.error());
     if (axis->monitor.next_stroke == 0) continue;
     std::int64_t end = 0;
-    if (std::find(known->begin(), known->end(), machine) != known->end()) {
+    if (std::ranges::find(*known, machine) != known->end()) {
       const auto id = database.MachineId(machine);
       const auto stored = id ? database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error()));
       if (!stored) return tl::unexpected(stored.error());
@@ -40,9 +40,8 @@ Result<SetAsideJournal> Counted(const AlarmJournal& journal) {
   for (const std::string& machine : *machines) {
     const auto axis = journal.Axis(machine);
     if (!axis) return tl::unexpected(axis.error());
-    counted.standing += std::count_if(axis->alarms.begin(), axis->alarms.end(), [](const AlarmState& a) {
-      return std::string(StateName(a)) != "NORM";
-    });
+    counted.standing += std::ranges::count_if(
+        axis->alarms, [](const AlarmState& a) { return std::string(StateName(a)) != "NORM"; });
   }
   return counted;
 }

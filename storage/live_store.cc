@@ -8,8 +8,6 @@ namespace {
 
 constexpr int kLongestLog = 64 << 20;  ///< bytes
 
-std::vector<std::uint8_t> Copy(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
-
 void UpdateProgress(Connection& connection, std::int64_t run, const PackedBatch& batch) {
   Query(connection,
         "UPDATE run SET rows_taken = ?, pipeline_state = coalesce(nullif(?, x''), pipeline_state), "
@@ -71,8 +69,8 @@ Result<std::optional<LiveProgress>> Database::NewestRun(std::int64_t machine) co
     Query query(*impl_, "SELECT pipeline_state, sender_marks, rows_taken FROM run WHERE id = ?",
                 progress.run.id);
     if (!query.Step()) return Found();
-    progress.pipeline_state = Copy(query.Blob(0));
-    progress.sender_marks = Copy(query.Blob(1));
+    progress.pipeline_state = query.Bytes(0);
+    progress.sender_marks = query.Bytes(1);
     progress.rows_taken = query.Int(2);
     return Found(std::move(progress));
   });
@@ -94,14 +92,14 @@ Result<std::vector<RawExtent>> Database::RawExtents(std::int64_t machine) const 
   });
 }
 
-Status Database::AddValveCheck(std::int64_t machine, const ValveCheckRecord& c) {
+Status Database::AddValveCheck(std::int64_t machine, const ValveCheckRecord& record) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    const ValveCheck& c = record.check;
     Query(*impl_,
           "INSERT INTO valve_check VALUES(?1, (SELECT coalesce(max(number), 0) + 1 FROM valve_check WHERE "
           "machine = ?1), ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)",
-          machine, c.begin, c.outcome, c.detail, c.f0, c.f0_std, c.damping, c.damping_std, c.gain, c.gain_std,
-          c.dead_time, c.dead_time_std, c.bandwidth, c.bandwidth_std, c.amplitude, c.supply_pressure,
-          c.oil_temperature)
+          machine, c.time, record.outcome, record.detail, c.natural_frequency, c.damping, c.gain, c.dead_time,
+          c.bandwidth, c.amplitude, c.supply_pressure, c.oil_temperature)
         .Run();
     return {};
   });
@@ -116,11 +114,10 @@ Result<std::vector<ValveCheckRecord>> Database::ValveChecks(std::int64_t machine
             machine);
     std::vector<ValveCheckRecord> checks;
     while (q.Step()) {
-      ValveCheckRecord c;
-      q.Read(0, c.begin, c.outcome, c.detail, c.f0, c.f0_std, c.damping, c.damping_std, c.gain, c.gain_std,
-             c.dead_time, c.dead_time_std, c.bandwidth, c.bandwidth_std, c.amplitude, c.supply_pressure,
-             c.oil_temperature);
-      checks.push_back(std::move(c));
+      ValveCheckRecord& record = checks.emplace_back();
+      ValveCheck& c = record.check;
+      q.Read(0, c.time, record.outcome, record.detail, c.natural_frequency, c.damping, c.gain, c.dead_time,
+             c.bandwidth, c.amplitude, c.supply_pressure, c.oil_temperature);
     }
     return checks;
   });

@@ -154,16 +154,20 @@ TEST(LiveStore, StrokesThatDifferInOneBitAreNamed) {
 TEST(LiveStore, ValveChecksAreKeptInOrder) {
   const Folder folder;
   Press press(folder.File(), kColumns);
-  ValveCheckRecord check{.begin = 5, .outcome = "measured", .detail = "fine"};
-  check.f0 = 184;
-  check.oil_temperature = std::nan("");
+  ValveCheckRecord check{.outcome = "measured", .detail = "fine", .check = {}};
+  check.check.time = 5;
+  check.check.natural_frequency = {184, 0.2};
+  check.check.dead_time = {1e-3, 2e-5};
   EXPECT_OK(press.database.AddValveCheck(1, check));
   check.outcome = "refused";
   EXPECT_OK(press.database.AddValveCheck(1, check));
   const auto checks = Value(press.database.ValveChecks(1));
   ASSERT_EQ(checks.size(), 2u);
-  EXPECT_EQ(checks[0].f0, 184);
-  EXPECT_TRUE(std::isnan(checks[0].oil_temperature));
+  EXPECT_EQ(checks[0].check.time, 5);
+  EXPECT_EQ(checks[0].check.natural_frequency.std, 0.2);
+  EXPECT_EQ(checks[0].check.dead_time.value, 1e-3);
+  EXPECT_TRUE(std::isnan(checks[0].check.gain.value));
+  EXPECT_TRUE(std::isnan(checks[0].check.oil_temperature));
   EXPECT_EQ(checks[1].outcome, "refused");
 }
 

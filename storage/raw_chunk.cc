@@ -22,7 +22,7 @@ std::vector<std::uint8_t> PackFlags(const std::vector<std::vector<Quality>>& fla
   bool any = false;
   for (const auto& column : flags) {
     columns.push_back(std::span(column).subspan(from, rows));
-    any = any || std::any_of(columns.back().begin(), columns.back().end(), [](Quality q) { return q != 0; });
+    any = any || std::ranges::any_of(columns.back(), [](Quality q) { return q != 0; });
   }
   return any ? packer.Pack(columns) : std::vector<std::uint8_t>();
 }
@@ -35,8 +35,7 @@ Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                                       ColumnPacker& packer) {
   if (const Status valid = CheckTime(time); !valid) return tl::unexpected(valid.error());
   std::vector<RawChunk> chunks;
-  const auto first_new =
-      static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), after) - time.begin());
+  const auto first_new = static_cast<std::size_t>(std::ranges::upper_bound(time, after) - time.begin());
   for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {
     const std::size_t rows = std::min(kRowsPerChunk, time.size() - from);
     std::vector<std::span<const double>> columns = {std::span(time).subspan(from, rows)};

@@ -120,7 +120,7 @@ int BestOrder(const Integers& numbers) {
     before = number;
     difference_before = difference;
   }
-  return static_cast<int>(std::min_element(bits.begin(), bits.end()) - bits.begin());
+  return static_cast<int>(std::ranges::min_element(bits) - bits.begin());
 }
 
 /// Order, width in bytes, then the first bytes of all differences, their second bytes, ...

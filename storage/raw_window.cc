@@ -187,8 +187,8 @@ Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) co
       if (signals != window.signals)
         return BadInput("{}: run {} changes its signals at {} s", impl_->path, run, query.Real(0));
       const auto& time = chunk->front();
-      const auto begin = std::lower_bound(time.begin(), time.end(), from) - time.begin();
-      const auto end = std::lower_bound(time.begin(), time.end(), to) - time.begin();
+      const auto begin = std::ranges::lower_bound(time, from) - time.begin();
+      const auto end = std::ranges::lower_bound(time, to) - time.begin();
       window.time.insert(window.time.end(), time.begin() + begin, time.begin() + end);
       for (std::size_t i = 0; i < signals.size(); ++i)
         window.values[i].insert(window.values[i].end(), (*chunk)[i + 1].begin() + begin,

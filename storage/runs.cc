@@ -109,8 +109,7 @@ Result<std::optional<std::vector<std::uint8_t>>> Database::PipelineStateBefore(s
                 "'complete' ORDER BY id DESC LIMIT 1",
                 row->machine, run);
     if (!query.Step()) return State();
-    const auto bytes = query.Blob(0);
-    return State(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+    return State(query.Bytes(0));
   });
 }
 

@@ -31,7 +31,7 @@ class Folder {
  private:
   /// Names of parameterised tests contain slashes.
   static std::string Plain(std::string name) {
-    std::replace(name.begin(), name.end(), '/', '_');
+    std::ranges::replace(name, '/', '_');
     return name;
   }
   std::filesystem::path path_;

@@ -148,7 +148,7 @@ Status Database::CompareStrokes(std::int64_t run, const std::vector<StrokeRecord
     if (static_cast<std::int64_t>(strokes.size()) < row->strokes)
       return BadInput("run {} holds {} strokes, {} were offered", run, row->strokes, strokes.size());
     for (std::int64_t i = 0; i < row->strokes; ++i) {
-      const StrokeRecord& record = strokes[static_cast<std::size_t>(i)];
+      const StrokeRecord& record = strokes[i];
       if (const Status same = CheckSame(*impl_, run, i, ContentHash(Pack(record))); !same)
         return BadInput("run {}, stroke {} (ends at {:.3f} s): stored and offered content differ", run, i,
                         record.summary.end);

@@ -39,15 +39,15 @@ std::array<double, kParameters> Truth(const PressMachine& machine) {
 
 void PrintScores(const char* title, const std::vector<Estimate>& names,
                  const std::array<Score, kParameters>& scores) {
-  std::cout << fmt::format("\n{}\n{:<6} {:>9} {:>12} {:>14} {:>12} {:>12}\n", title, "", "coverage",
-                           "mean error", "mean 95 % half", "mean z", "rms z");
+  fmt::print("\n{}\n{:<6} {:>9} {:>12} {:>14} {:>12} {:>12}\n", title, "", "coverage", "mean error",
+             "mean 95 % half", "mean z", "rms z");
   for (int i = 0; i < kParameters; ++i) {
     const Score& s = scores[i];
     const double n = s.cases;
     const char* unit = names[i].unit == "1" ? "1e-4" : "%   ";
-    std::cout << fmt::format("{:<6} {:>7.1f} % {:>9.3f} {} {:>11.3f} {} {:>10.3f} {:>12.3f}\n",
-                             names[i].parameter, 100 * s.held / n, 100 * s.sum_error / n, unit,
-                             196 * s.sum_std / n, unit, s.sum_z / n, std::sqrt(s.sum_z2 / n));
+    fmt::print("{:<6} {:>7.1f} % {:>9.3f} {} {:>11.3f} {} {:>10.3f} {:>12.3f}\n", names[i].parameter,
+               100 * s.held / n, 100 * s.sum_error / n, unit, 196 * s.sum_std / n, unit, s.sum_z / n,
+               std::sqrt(s.sum_z2 / n));
   }
 }
 
@@ -76,8 +76,8 @@ int RunCoverageBenchmark(const CoverageOptions& options) {
     }
     progress.Update((c + 1.0) / options.cases, c + 1);
   }
-  std::cout << fmt::format("{} simulated machines, {:.0f} s each, seed {}; {} could not be fitted\n",
-                           options.cases, options.seconds, options.seed, not_fitted);
+  fmt::print("{} simulated machines, {:.0f} s each, seed {}; {} could not be fitted\n", options.cases,
+             options.seconds, options.seed, not_fitted);
   if (names.empty()) return 1;
   PrintScores("batch fit over all strokes (hydroscope fit)", names, batch);
   PrintScores("recursive estimator after the last stroke (hydroscope replay)", names, recursive);

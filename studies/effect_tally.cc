@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
+
 namespace hydroscope {
 namespace {
 
@@ -22,14 +24,13 @@ void EffectTally::Counts::Add(const Counts& other) {
 }
 
 std::string EffectTally::Add(const std::string& hidden, double size, const StatesExplanation& x) {
-  const bool named = std::find(x.set.begin(), x.set.end(), hidden) != x.set.end();
+  const bool named = Contains(x.set, hidden);
   const bool wrong = !x.set.empty() && !named;
   counts_[hidden].Add({1, !x.set.empty() && x.set.front() == hidden, x.verdict == Verdict::kAmbiguous,
                        x.verdict == Verdict::kUnknown, x.verdict == Verdict::kAdequate, wrong});
   // How much the hidden effect explains by itself, in noise variances: what is too small cannot be named.
-  const auto own = std::find_if(x.ranking.begin(), x.ranking.end(), [&](const StateCandidate& c) {
-    return c.added == std::vector<std::string>{hidden};
-  });
+  const auto own = std::ranges::find_if(
+      x.ranking, [&](const StateCandidate& c) { return c.added == std::vector<std::string>{hidden}; });
   return fmt::format(
       "hidden {:<22} {:<9.3g} {:<9} [{}]{} left {:.3f} -> {:.3f}{}{}", hidden, size, VerdictName(x.verdict),
       fmt::join(x.set, ", "), x.nearest.empty() ? "" : fmt::format(" part {}", fmt::join(x.nearest, ", ")),

@@ -132,10 +132,9 @@ bool RunForm(const char* name, Forgetting form, const EnduranceOptions& o) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const bool held = before < kSigmas && still < kSigmas && after < kSigmas &&
                     (form == Forgetting::kExponential || variance_still <= variance_before + kAloneVariance);
-  std::cout << fmt::format("{:<24} {:>9.2f} {:>9.2f} {:>9.2f} {:>12.3g} {:>12.3g} {:>8.0f} ns  {}\n", name,
-                           before, still, after, variance_before, variance_still,
-                           1e9 * seconds / static_cast<double>(o.updates + 2 * standstill),
-                           held ? "sound" : "FAILED");
+  fmt::print("{:<24} {:>9.2f} {:>9.2f} {:>9.2f} {:>12.3g} {:>12.3g} {:>8.0f} ns  {}\n", name, before, still,
+             after, variance_before, variance_still,
+             1e9 * seconds / static_cast<double>(o.updates + 2 * standstill), held ? "sound" : "FAILED");
   return held;
 }
 
@@ -213,15 +212,13 @@ bool RunPipeline(const EnduranceOptions& o) {
   monitor.Flush(rows);
   (*pipeline)->Process(rows);
   (*pipeline)->Finish();
-  std::cout << fmt::format(
-      "\npipeline: {} strokes, {:.3g} h standstill ({} rows, {:.2f} million/s), then {} strokes\n",
-      strokes_before, o.standstill_hours, blocks * static_cast<std::int64_t>(kRows),
-      static_cast<double>(blocks * static_cast<std::int64_t>(kRows)) / seconds / 1e6,
-      strokes.size() - strokes_before);
-  std::cout << fmt::format(
-      "state after the standstill {}; K' was last excited at {:.0f} s, and at {:.0f} s in the end\n",
-      unchanged ? "unchanged bit for bit" : "CHANGED", last_excited,
-      strokes.back().estimates.front().last_excited);
+  fmt::print("\npipeline: {} strokes, {:.3g} h standstill ({} rows, {:.2f} million/s), then {} strokes\n",
+             strokes_before, o.standstill_hours, blocks * static_cast<std::int64_t>(kRows),
+             static_cast<double>(blocks * static_cast<std::int64_t>(kRows)) / seconds / 1e6,
+             strokes.size() - strokes_before);
+  fmt::print("state after the standstill {}; K' was last excited at {:.0f} s, and at {:.0f} s in the end\n",
+             unchanged ? "unchanged bit for bit" : "CHANGED", last_excited,
+             strokes.back().estimates.front().last_excited);
   bool right = true;
   const std::array<double, 4> truth = {press.machine.K, press.machine.V0, press.machine.Q_vn,
                                        press.machine.y_0};
@@ -229,8 +226,8 @@ bool RunPipeline(const EnduranceOptions& o) {
     const Estimate& e = strokes.back().estimates[i];
     const double z = (e.value - truth[i]) / e.std;
     right = right && std::abs(z) < 3;
-    std::cout << fmt::format("  {:<5} {:.5g} ± {:.2g} {}, truth {:.5g}, {:+.1f} standard deviations\n",
-                             e.parameter, e.value, kNormal95 * e.std, e.unit, truth[i], z);
+    fmt::print("  {:<5} {:.5g} ± {:.2g} {}, truth {:.5g}, {:+.1f} standard deviations\n", e.parameter,
+               e.value, kNormal95 * e.std, e.unit, truth[i], z);
   }
   return unchanged && right && strokes.size() > strokes_before;
 }
@@ -238,7 +235,7 @@ bool RunPipeline(const EnduranceOptions& o) {
 }  // namespace
 
 int RunEndurance(const EnduranceOptions& o) {
-  std::cout << fmt::format(
+  fmt::print(
       "recursive least squares, lambda {}: {:.1e} updates, in the middle {:.3g} h of zero and as much of "
       "constant regressors\n\n{:<24} {:>9} {:>9} {:>9} {:>12} {:>12} {:>11}\n",
       kLambda, static_cast<double>(o.updates), o.standstill_hours, "error / std", "before", "still", "after",

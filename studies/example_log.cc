@@ -29,7 +29,7 @@ bool PrintRow(const Row& row, const Estimate& estimate) {
       row.absolute ? fmt::format("{:+.5f}", deviation) : fmt::format("{:+.2f} %", 100 * deviation);
   const std::string limit =
       row.absolute ? fmt::format("{:.4f}", row.limit) : fmt::format("{:.1f} %", 100 * row.limit);
-  std::cout << fmt::format(
+  fmt::print(
       "{:<5} {:>10.5g} ± {:<9.3g} {:<6} truth {:>8.5g}  deviation {:>9}  limit {:>7}  {}, interval {} it\n",
       row.name, estimate.value * row.factor, kNormal95 * estimate.std * row.factor, row.unit,
       row.truth * row.factor, error, limit, within ? "within" : "MISSED", held ? "holds" : "misses");
@@ -41,9 +41,8 @@ bool PrintRow(const Row& row, const Estimate& estimate) {
 int RunExampleLog(const ExampleLogOptions& o) {
   const auto result = FitLogs({o.log}, o.machine_file);
   if (!result) return ReportError(result.error());
-  std::cout << fmt::format("{}: {} strokes, rms of held-out strokes {:.3f} l/min, noise floor {:.3f} l/min\n",
-                           o.log, result->fit.strokes, result->fit.rms_holdout * 6e4,
-                           result->fit.noise_floor * 6e4);
+  fmt::print("{}: {} strokes, rms of held-out strokes {:.3f} l/min, noise floor {:.3f} l/min\n", o.log,
+             result->fit.strokes, result->fit.rms_holdout * 6e4, result->fit.noise_floor * 6e4);
   const std::array<Row, 4> rows = {{{"K'", o.K, 0.02, false, 1e-9, "GPa"},
                                     {"V0", o.V0, 0.03, false, 1e3, "l"},
                                     {"Q_vn", o.Q_vn, 0.003, false, 6e4, "l/min"},

@@ -43,6 +43,14 @@ Result<ReplayCount> CountReplays(const std::string& database) {
   return count;
 }
 
+Result<bool> ReplaysAreTheSame(const std::string& database, int exit_code) {
+  const auto replays = CountReplays(database);
+  if (!replays) return tl::unexpected(replays.error());
+  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
+             replays->same + replays->different, exit_code);
+  return replays->ok();
+}
+
 FaultTable::FaultTable(LiveRig& rig) : rig_(rig) {
   fmt::print("{:<46} {:>12} {:>12}   {}\n", "fault", "stale after", "back after", "");
 }

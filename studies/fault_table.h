@@ -17,6 +17,8 @@ struct ReplayCount {
   bool ok() const { return different == 0 && same > 0; }
 };
 Result<ReplayCount> CountReplays(const std::string& database);
+/// Prints it beside the exit code of the service; true if all are the same.
+Result<bool> ReplaysAreTheSame(const std::string& database, int exit_code);
 
 /// Faults done to a rig, one printed row each: after how long its values were stale, after how long they were
 /// back, and whether that is what was required.

@@ -132,15 +132,15 @@ Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, con
 }
 
 void PrintRow(const std::string& name, const BiasAndStd& r) {
-  std::cout << fmt::format("{:<22}", name);
-  for (int i = 0; i < kStudied; ++i) std::cout << fmt::format(" {:>9.2f} {:>7.2f}", r.bias[i], r.std[i]);
+  fmt::print("{:<22}", name);
+  for (int i = 0; i < kStudied; ++i) fmt::print(" {:>9.2f} {:>7.2f}", r.bias[i], r.std[i]);
   std::cout << "\n";
 }
 
 void PrintTable(const std::vector<Width>& widths, const FilterStudyResult& study) {
-  std::cout << fmt::format("{:<22} {:>17} {:>17} {:>17}\n{:<22}", "", "theta1 (Q_vn)", "theta2 (V0/K')",
-                           "theta3 (A_A/K')", "average / derivative");
-  for (int i = 0; i < kStudied; ++i) std::cout << fmt::format(" {:>9} {:>7}", "bias %", "std %");
+  fmt::print("{:<22} {:>17} {:>17} {:>17}\n{:<22}", "", "theta1 (Q_vn)", "theta2 (V0/K')", "theta3 (A_A/K')",
+             "average / derivative");
+  for (int i = 0; i < kStudied; ++i) fmt::print(" {:>9} {:>7}", "bias %", "std %");
   std::cout << "\n";
   for (std::size_t w = 0; w < widths.size(); ++w) {
     const std::string pair = fmt::format("{} / {}", widths[w].average, widths[w].derivative);
@@ -163,8 +163,8 @@ bool Reached(const char* name, const BiasAndStd& r) {
   bool reached = true;
   for (int i = 0; i < kStudied; ++i) {
     if (Within(r, i)) continue;
-    std::cout << fmt::format("missed: {} theta{} bias {:+.2f} %, limit {} %; std {:.2f} %, limit {} %\n",
-                             name, i + 1, r.bias[i], kMostBias, r.std[i], kMostStd[i]);
+    fmt::print("missed: {} theta{} bias {:+.2f} %, limit {} %; std {:.2f} %, limit {} %\n", name, i + 1,
+               r.bias[i], kMostBias, r.std[i], kMostStd[i]);
     reached = false;
   }
   return reached;
@@ -219,8 +219,8 @@ BiasAndStd MedianOf(const std::vector<BiasAndStd>& logs) {
 
 /// What the standard deviation is depends on the log: on its speeds and pressure steps.
 bool PrintLogs(const char* name, std::uint64_t first_seed, const std::vector<BiasAndStd>& logs) {
-  std::cout << fmt::format("\n{}, one log per seed\n{:<22} {:>17} {:>17} {:>17}\n", name, "", "theta1 (Q_vn)",
-                           "theta2 (V0/K')", "theta3 (A_A/K')");
+  fmt::print("\n{}, one log per seed\n{:<22} {:>17} {:>17} {:>17}\n", name, "", "theta1 (Q_vn)",
+             "theta2 (V0/K')", "theta3 (A_A/K')");
   Theta within{};
   for (std::size_t s = 0; s < logs.size(); ++s) {
     PrintRow(fmt::format("seed {}", first_seed + s), logs[s]);
@@ -228,8 +228,8 @@ bool PrintLogs(const char* name, std::uint64_t first_seed, const std::vector<Bia
   }
   const BiasAndStd median = MedianOf(logs);
   PrintRow("median", median);
-  std::cout << fmt::format("{:<22}", "logs within the limits");
-  for (double w : within) std::cout << fmt::format(" {:>17}", fmt::format("{:.0f} of {}", w, logs.size()));
+  fmt::print("{:<22}", "logs within the limits");
+  for (double w : within) fmt::print(" {:>17}", fmt::format("{:.0f} of {}", w, logs.size()));
   std::cout << "\n";
   return Reached(fmt::format("{}, median of the logs,", name).c_str(), median);
 }
@@ -243,15 +243,13 @@ int RunFilterStudy(const FilterStudyOptions& options) {
   if (!study) return ReportError(study.error());
   std::vector<BiasAndStd> recursive = {study->recursive}, batch = {study->batch};
   for (int s = 1; s < options.seeds; ++s) {
-    const auto more =
-        StudyLog(options, options.seed + static_cast<std::uint64_t>(s), {}, progress, s * options.draws);
+    const auto more = StudyLog(options, options.seed + s, {}, progress, s * options.draws);
     if (!more) return ReportError(more.error());
     recursive.push_back(more->recursive);
     batch.push_back(more->batch);
   }
-  std::cout << fmt::format(
-      "{} noise draws of one simulated press log of {:.0f} s, seed {}; widths in samples of 2 ms\n\n",
-      options.draws, options.seconds, options.seed);
+  fmt::print("{} noise draws of one simulated press log of {:.0f} s, seed {}; widths in samples of 2 ms\n\n",
+             options.draws, options.seconds, options.seed);
   PrintTable(widths, *study);
   if (!options.svg.empty())
     if (const Status written = WriteFilterStudyPlot(*study, options.svg); !written)

@@ -122,7 +122,7 @@ int RunStarts(const FlexibleAxisStudyOptions& o) {
   fmt::print("{:>7} {:>10} {:>7} {:>9} {:>11} {:>14} {:>12}  {}\n", "machine", "sigma_0", "starts", "CPU s",
              "plain runs", "above the best", "worst error", "bulk modulus at 2, 5, 10 MPa, %");
   for (int k = 0; k < o.machines; ++k) {
-    const std::uint64_t seed = o.seed + static_cast<std::uint64_t>(k);
+    const std::uint64_t seed = o.seed + k;
     const FlexibleAxisOptions options = Staircase(RandomFlexibleAxis(seed), seed);
     const Episode episode = FlexibleAxisEpisode(SimulateFlexibleAxis(options));
     const Eigen::VectorXd truth = FlexibleAxisParameters(options.machine);
@@ -135,8 +135,7 @@ int RunStarts(const FlexibleAxisStudyOptions& o) {
     const double best = found.solved() ? ChiSquare(found, options.sensors) : 1e300;
     // What is best: the minimum that the truth leads to.
     auto at_truth = std::make_shared<StateModel>(**model);
-    for (Eigen::Index p = 0; p < truth.size(); ++p)
-      at_truth->parameters[static_cast<std::size_t>(p)].spec.start = truth[p];
+    for (Eigen::Index p = 0; p < truth.size(); ++p) at_truth->parameters[p].spec.start = truth[p];
     const StateFit reference = FitStates(at_truth, std::span(&episode, 1), one);
     const double least = reference.solved() ? std::min(best, ChiSquare(reference, options.sensors)) : best;
     const bool near = best - least < kNear;
@@ -160,7 +159,7 @@ int RunStarts(const FlexibleAxisStudyOptions& o) {
     std::fflush(stdout);
   }
   const auto median = [](std::vector<double> v) {
-    std::sort(v.begin(), v.end());
+    std::ranges::sort(v);
     return v[v.size() / 2];
   };
   fmt::print(
@@ -179,7 +178,7 @@ int RunEffects(const FlexibleAxisStudyOptions& o) {
   EffectTally tally;
   for (int k = 0; k < o.machines; ++k)
     for (std::size_t f = 0; f <= AllFlexibleAxisFaults().size(); ++f) {
-      const std::uint64_t seed = (o.seed + static_cast<std::uint64_t>(k)) * 100 + f;
+      const std::uint64_t seed = (o.seed + k) * 100 + f;
       FlexibleAxisOptions options =
           Staircase(k == 0 ? FlexibleAxisMachine{} : RandomFlexibleAxis(seed), seed);
       std::string id = "-";
@@ -214,8 +213,7 @@ Episode FlexibleAxisEpisode(const FlexibleAxisLog& log) {
   episode.time = log.t;
   episode.signal.resize(static_cast<Eigen::Index>(log.t.size()), 6);
   for (std::size_t i = 0; i < log.t.size(); ++i)
-    episode.signal.row(static_cast<Eigen::Index>(i)) << log.U[i], log.x_p[i], log.x_l[i], log.a_p[i],
-        log.p_1[i], log.p_2[i];
+    episode.signal.row(i) << log.U[i], log.x_p[i], log.x_l[i], log.a_p[i], log.p_1[i], log.p_2[i];
   return episode;
 }
 
@@ -234,7 +232,7 @@ std::shared_ptr<const StateModel> StartedWithinTen(const StateModel& model, cons
   RandomStream random(StreamSeed(seed, "start"));
   auto started = std::make_shared<StateModel>(model);
   for (Eigen::Index p = 0; p < truth.size(); ++p) {
-    ParameterSpec& spec = started->parameters[static_cast<std::size_t>(p)].spec;
+    ParameterSpec& spec = started->parameters[p].spec;
     spec.start = truth[p] * std::pow(10, random.Uniform(-1, 1));
     spec.min = truth[p] / 10;
     spec.max = truth[p] * 10;

@@ -87,7 +87,7 @@ bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, dou
   int fitted = 0;
   for (int i = 0; i < cases; ++i) {
     ValveSweepOptions options = truth;
-    options.seed = seed + static_cast<std::uint64_t>(i);
+    options.seed = seed + i;
     const FrequencyRecord record = RecordOf(options);
     const auto start = std::chrono::steady_clock::now();
     const auto response = MeasureFrequencyResponse(record);
@@ -110,8 +110,8 @@ bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, dou
       kept = kept && coverage >= 0.92 && coverage <= 0.98;
   }
   if (fitted < cases)
-    std::cout << fmt::format("{:<18} no model in {} of {} sweeps\n", variation.name, cases - fitted, cases);
-  if (!kept) std::cout << fmt::format("{:<18} outside its limits\n", variation.name);
+    fmt::print("{:<18} no model in {} of {} sweeps\n", variation.name, cases - fitted, cases);
+  if (!kept) fmt::print("{:<18} outside its limits\n", variation.name);
   return kept;
 }
 
@@ -119,16 +119,15 @@ bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, dou
 
 int RunFrfBenchmark(const FrfBenchmarkOptions& options) {
   const auto& [cases, seed] = options;
-  std::cout << fmt::format("Valve frequency response, {} simulated sweeps per variation, seeds from {}\n\n",
-                           cases, seed);
-  std::cout << fmt::format("{:<18} {:<7} {:>10} {:>12} {:>11} {:>11}\n", "variation", "figure", "truth",
-                           "mean", "in 95 %", "worst error");
+  fmt::print("Valve frequency response, {} simulated sweeps per variation, seeds from {}\n\n", cases, seed);
+  fmt::print("{:<18} {:<7} {:>10} {:>12} {:>11} {:>11}\n", "variation", "figure", "truth", "mean", "in 95 %",
+             "worst error");
   double seconds = 0;
   int sweeps = 0, outside = 0;
   for (const Variation& variation : Variations())
     outside += !RunVariation(variation, cases, seed, seconds, sweeps);
-  std::cout << fmt::format("\n{:.2f} ms per sweep to evaluate; {} variations outside their limits\n",
-                           1e3 * seconds / std::max(1, sweeps), outside);
+  fmt::print("\n{:.2f} ms per sweep to evaluate; {} variations outside their limits\n",
+             1e3 * seconds / std::max(1, sweeps), outside);
   return outside == 0 ? 0 : 1;
 }
 

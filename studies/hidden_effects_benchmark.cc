@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/experiment/experiment.h"
 #include "diagnosis/explain.h"
@@ -76,12 +77,8 @@ struct KindTally {
   double set_size = 0;
 };
 
-bool Contains(const std::vector<std::string>& set, const std::string& id) {
-  return std::find(set.begin(), set.end(), id) != set.end();
-}
-
 Case Draw(int index, std::uint64_t seed, bool healthy) {
-  std::mt19937_64 random(seed * 1000003 + static_cast<std::uint64_t>(index));
+  std::mt19937_64 random(seed * 1000003 + index);
   Case c;
   c.options = RandomMachine(random() >> 32);
   c.options.seconds = 60 + 120 * Uniform(random);
@@ -148,17 +145,17 @@ bool IsTruthWithTwins(const ModelStructure& model, const std::vector<std::string
   for (const std::string& id : truth) {
     if (!Contains(group, id)) continue;
     const std::vector<std::string> twins = TwinsOf(model, id);
-    return std::all_of(group.begin(), group.end(),
-                       [&](const std::string& other) { return other == id || Contains(twins, other); });
+    return std::ranges::all_of(
+        group, [&](const std::string& other) { return other == id || Contains(twins, other); });
   }
   return false;
 }
 
 /// As far as strokes can: every true effect alone or beside its twins.
 bool IsSettled(const Explanation& x, const std::vector<std::string>& truth) {
-  return x.groups.size() == truth.size() &&
-         std::all_of(x.groups.begin(), x.groups.end(),
-                     [&](const auto& group) { return IsTruthWithTwins(*x.model, group, truth); });
+  return x.groups.size() == truth.size() && std::ranges::all_of(x.groups, [&](const auto& group) {
+           return IsTruthWithTwins(*x.model, group, truth);
+         });
 }
 
 /// The log of the proposed series of strokes, on the same machine.
@@ -168,8 +165,7 @@ Result<LogStrokes> RecordExperiment(const Case& c) {
   motion.speeds = c.experiment.Levels("ram_speed");
   motion.set_points = c.experiment.Levels("pressure");
   motion.rod_pressures = c.experiment.Levels("rod_pressure");
-  motion.speed_max =
-      std::max(motion.speed_max, *std::max_element(motion.speeds.begin(), motion.speeds.end()));
+  motion.speed_max = std::max(motion.speed_max, *std::ranges::max_element(motion.speeds));
   double cycle = 0;
   for (double speed : motion.speeds)
     cycle += (motion.z_top - motion.z_bottom) * (1 / speed + 1 / motion.return_speed) + 2 * motion.ramp_time +
@@ -182,8 +178,8 @@ Result<LogStrokes> RecordExperiment(const Case& c) {
 
 /// s, of the filter that the simulated signal passes: the simulated press has none but as an imperfection.
 double FilterOf(const PressOptions& options, const std::string& id) {
-  const auto filter = std::find_if(options.imperfections.begin(), options.imperfections.end(),
-                                   [&](const ImperfectionSetting& i) { return i.kind == id; });
+  const auto filter =
+      std::ranges::find_if(options.imperfections, [&](const ImperfectionSetting& i) { return i.kind == id; });
   return filter == options.imperfections.end() ? 0.0 : filter->size;
 }
 
@@ -260,8 +256,8 @@ void Count(const Case& c, KindTally& t) {
   t.partial += x.partial;
   ++t.sets;
   t.set_size += static_cast<double>(x.set.size());
-  const bool any = std::any_of(c.truth.begin(), c.truth.end(), found);
-  const bool all = !c.truth.empty() && std::all_of(c.truth.begin(), c.truth.end(), found);
+  const bool any = std::ranges::any_of(c.truth, found);
+  const bool all = !c.truth.empty() && std::ranges::all_of(c.truth, found);
   t.first += !c.truth.empty() && Contains(c.truth, x.set.front());
   t.in_set += any;
   t.all_found += all;
@@ -290,9 +286,9 @@ void PrintConfusion(const std::vector<Case>& cases) {
   }
   std::cout << "\nsingle effects of +2 % or more: hidden -> first answer\n";
   for (const auto& [truth, answers] : confusion) {
-    std::cout << fmt::format("  {:<28}", truth);
+    fmt::print("  {:<28}", truth);
     for (const auto& [answer, count] : answers)
-      std::cout << fmt::format(" {} x{}", answer == truth ? "found" : answer, count);
+      fmt::print(" {} x{}", answer == truth ? "found" : answer, count);
     std::cout << "\n";
   }
 }
@@ -343,15 +339,15 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
 double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
 
 void PrintTable(const std::array<KindTally, kKinds>& tallies) {
-  std::cout << fmt::format("{:<34}{:>6}{:>9}{:>9}{:>9}{:>8}{:>10}{:>10}{:>9}{:>10}\n", "", "cases", "first",
-                           "in set", "all", "wrong", "adequate", "unknown", "partial", "set size");
+  fmt::print("{:<34}{:>6}{:>9}{:>9}{:>9}{:>8}{:>10}{:>10}{:>9}{:>10}\n", "", "cases", "first", "in set",
+             "all", "wrong", "adequate", "unknown", "partial", "set size");
   for (int k = 0; k < kKinds; ++k) {
     const KindTally& t = tallies[k];
-    std::cout << fmt::format(
-        "{:<34}{:>6}{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>6.1f} %{:>8.1f} %{:>8.1f} %{:>7.1f} %{:>10.2f}\n",
-        kKindNames[k], t.cases, Percent(t.first, t.cases), Percent(t.in_set, t.cases),
-        Percent(t.all_found, t.cases), Percent(t.wrong, t.cases), Percent(t.adequate, t.cases),
-        Percent(t.unknown, t.cases), Percent(t.partial, t.cases), t.sets > 0 ? t.set_size / t.sets : 0.0);
+    fmt::print("{:<34}{:>6}{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>6.1f} %{:>8.1f} %{:>8.1f} %{:>7.1f} %{:>10.2f}\n",
+               kKindNames[k], t.cases, Percent(t.first, t.cases), Percent(t.in_set, t.cases),
+               Percent(t.all_found, t.cases), Percent(t.wrong, t.cases), Percent(t.adequate, t.cases),
+               Percent(t.unknown, t.cases), Percent(t.partial, t.cases),
+               t.sets > 0 ? t.set_size / t.sets : 0.0);
   }
 }
 
@@ -389,7 +385,7 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
   std::vector<Case> all;
   ProgressBar progress("hidden effects", "logs");
   for (int i = 0; i < o.cases; ++i) {
-    if (!o.only.empty() && std::find(o.only.begin(), o.only.end(), i) == o.only.end()) continue;
+    if (!o.only.empty() && !Contains(o.only, i)) continue;
     Case c = Draw(i, o.seed, o.healthy);
     c.number = i;
     const auto strokes = StrokesFor(c.options);
@@ -415,20 +411,19 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
   std::array<KindTally, kKinds> tallies;
   for (const Case& c : all) Count(c, tallies[c.kind]);
 
-  std::cout << fmt::format("{} simulated logs of 60 ... 180 s, seed {}\n\n", o.cases, o.seed);
+  fmt::print("{} simulated logs of 60 ... 180 s, seed {}\n\n", o.cases, o.seed);
   PrintTable(tallies);
   PrintConfusion(all);
   const KindTally known = Known(tallies);
-  std::cout << fmt::format(
-      "\nright effect named alone: {} cases, {:.1f} % of them within 5 % of the noise floor\n",
-      known.right_alone, Percent(known.at_floor, known.right_alone));
+  fmt::print("\nright effect named alone: {} cases, {:.1f} % of them within 5 % of the noise floor\n",
+             known.right_alone, Percent(known.at_floor, known.right_alone));
   const KindTally& healthy = tallies[kHealthy];
-  std::cout << fmt::format(
+  fmt::print(
       "healthy: {} cases, an error located in {} ({:.1f} %), a pattern in time claimed in {} ({:.1f} %)\n",
       healthy.cases, healthy.located, Percent(healthy.located, healthy.cases), healthy.patterned,
       Percent(healthy.patterned, healthy.cases));
-  std::cout << fmt::format("ambiguous with the truth in the set: {} cases, experiment proposed for {}",
-                           known.ambiguous, known.proposed);
+  fmt::print("ambiguous with the truth in the set: {} cases, experiment proposed for {}", known.ambiguous,
+             known.proposed);
   std::cout << (o.experiments
                     ? fmt::format(
                           "\nnamed alone after the strokes proposed {} ({:.1f} %), and after the tests off "

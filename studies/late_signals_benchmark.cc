@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "core/contains.h"
 #include "diagnosis/explain.h"
 #include "host/output.h"
 #include "simulator/die_cushion/press.h"
@@ -30,12 +31,12 @@ struct LateCase {
 };
 
 LateCase DrawLateCase(int index, std::uint64_t seed) {
-  std::mt19937_64 random(seed * 1000003 + static_cast<std::uint64_t>(index));
+  std::mt19937_64 random(seed * 1000003 + index);
   LateCase c;
   PressOptions& o = c.options;
   o = RandomMachine(random() >> 32);
   c.signal = index % 3;
-  const std::string signal = kSignals[static_cast<std::size_t>(c.signal)];
+  const std::string signal = kSignals[c.signal];
   const bool filtered = index / 3 % 2 == 1, stepped = index / 6 % 2 == 1;
   c.truth = signal + (filtered ? "_lag" : "_delay");
   c.twin = signal + (filtered ? "_delay" : "_lag");
@@ -60,9 +61,7 @@ struct LateTally {
 };
 
 void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
-  const auto has = [&](const std::string& id) {
-    return std::find(x.set.begin(), x.set.end(), id) != x.set.end();
-  };
+  const auto has = [&](const std::string& id) { return Contains(x.set, id); };
   const bool truth = has(c.truth), twin = has(c.twin);
   ++t.logs;
   t.alone += truth && !twin;
@@ -88,8 +87,7 @@ int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
     const LateCase c = DrawLateCase(i, seed);
     const auto strokes = StrokesOf(SimulatePress(c.options), MachineFor(c.options), KeepSamples::kYes);
     if (!strokes) return ReportError(strokes.error());
-    CountLate(c, ExplainSamples(strokes->model, strokes->stretches, strokes->window),
-              tallies[static_cast<std::size_t>(c.signal)]);
+    CountLate(c, ExplainSamples(strokes->model, strokes->stretches, strokes->window), tallies[c.signal]);
     progress.Update((i + 1.0) / cases, i + 1);
   }
   std::cout << fmt::format("{} logs with one signal late or filtered, seed {}\n\n", cases, seed)
@@ -98,8 +96,8 @@ int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
   int wrong = 0;
   for (std::size_t s = 0; s < tallies.size(); ++s) {
     const LateTally& t = tallies[s];
-    std::cout << fmt::format("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs,
-                             t.alone, t.both, t.wrong, t.open, t.truth_leaves, t.twin_leaves);
+    fmt::print("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs, t.alone, t.both,
+               t.wrong, t.open, t.truth_leaves, t.twin_leaves);
     wrong += t.wrong;
   }
   std::cout

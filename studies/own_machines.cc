@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <random>
 
+#include "core/contains.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/explain_log.h"
 
@@ -43,7 +43,7 @@ const std::vector<Law>& Laws() {
 }
 
 const Law& LawOf(const std::string& id) {
-  return *std::find_if(Laws().begin(), Laws().end(), [&](const Law& law) { return id == law.id; });
+  return *std::ranges::find_if(Laws(), [&](const Law& law) { return id == law.id; });
 }
 
 /// Samples of one stroke.
@@ -119,26 +119,21 @@ StrokeStretches InSpans(const Stretch& whole, const WindowSamples& window) {
 std::vector<std::string> DrawnTruth(std::mt19937_64& random) {
   std::vector<std::string> ids;
   for (const Law& law : Laws()) ids.push_back(law.id);
-  std::shuffle(ids.begin(), ids.end(), random);
+  std::ranges::shuffle(ids, random);
   ids.resize(random() % 4);
   return ids;
 }
 
-bool Among(const std::vector<std::string>& ids, const std::string& id) {
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
-
 /// Whether every hidden effect has a group that holds it.
 bool AllInSet(const Explanation& x, const std::vector<std::string>& hidden) {
-  return x.groups.size() == hidden.size() && std::all_of(hidden.begin(), hidden.end(), [&](const auto& id) {
-           return std::any_of(x.groups.begin(), x.groups.end(),
-                              [&](const auto& group) { return Among(group, id); });
+  return x.groups.size() == hidden.size() && std::ranges::all_of(hidden, [&](const auto& id) {
+           return std::ranges::any_of(x.groups, [&](const auto& group) { return Contains(group, id); });
          });
 }
 
 bool NamesWhatIsNotThere(const Explanation& x, const std::vector<std::string>& hidden) {
-  return std::any_of(x.groups.begin(), x.groups.end(), [&](const auto& group) {
-    return std::none_of(group.begin(), group.end(), [&](const auto& id) { return Among(hidden, id); });
+  return std::ranges::any_of(x.groups, [&](const auto& group) {
+    return std::ranges::none_of(group, [&](const auto& id) { return Contains(hidden, id); });
   });
 }
 
@@ -149,8 +144,8 @@ void Count(const Explanation& x, const std::vector<std::string>& hidden, OwnMach
   score.wrong += NamesWhatIsNotThere(x, hidden);
   const bool all = hidden.empty() ? x.verdict == Verdict::kAdequate : AllInSet(x, hidden);
   score.in_set += all;
-  score.exact += all && std::all_of(x.groups.begin(), x.groups.end(),
-                                    [&](const auto& group) { return Among(hidden, group.front()); });
+  score.exact += all && std::ranges::all_of(
+                            x.groups, [&](const auto& group) { return Contains(hidden, group.front()); });
   if (!hidden.empty())
     score.set_size += static_cast<double>(x.set.size()) / static_cast<double>(hidden.size());
 }
@@ -235,7 +230,7 @@ OwnMachinesScore ScoreOwnMachines(const OwnMachinesOptions& options) {
 int RunOwnMachines(const OwnMachinesOptions& options) {
   constexpr double kMostWrong = 0.02, kLeastInSet = 0.85;
   const OwnMachinesScore score = ScoreOwnMachines(options);
-  std::cout << fmt::format(
+  fmt::print(
       "{} cylinders of their own, 0 ... 3 of 8 effects hidden\n"
       "  hidden effects first          {:>4}\n"
       "  hidden effects in the set     {:>4}\n"
@@ -245,8 +240,8 @@ int RunOwnMachines(const OwnMachinesOptions& options) {
       "  effects named per hidden one  {:>4.2f}\n",
       score.cases, score.exact, score.in_set, score.wrong, score.unknown, score.adequate, score.set_size);
   const bool right = score.wrong <= kMostWrong * score.cases && score.in_set >= kLeastInSet * score.cases;
-  std::cout << fmt::format("required: wrong at most {:.0f} %, in the set at least {:.0f} % ({})\n",
-                           100 * kMostWrong, 100 * kLeastInSet, right ? "yes" : "NO");
+  fmt::print("required: wrong at most {:.0f} %, in the set at least {:.0f} % ({})\n", 100 * kMostWrong,
+             100 * kLeastInSet, right ? "yes" : "NO");
   return right ? 0 : 1;
 }
 

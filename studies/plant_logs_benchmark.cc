@@ -140,7 +140,7 @@ Result<std::vector<const PlantKind*>> KindsNamed(const std::vector<std::string>&
       return nearest.empty() ? UsageError("no kind '{}'; there are {}", name, fmt::join(known, ", "))
                              : UsageError("no kind '{}'; did you mean '{}'?", name, nearest);
     }
-    kinds.push_back(&PlantKinds()[static_cast<std::size_t>(found - known.begin())]);
+    kinds.push_back(&PlantKinds()[found - known.begin()]);
   }
   return kinds;
 }
@@ -190,10 +190,7 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) {
-        outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds));
-      },
-      o.threads);
+      [&](int k) { outcomes[k] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds)); }, o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});
   for (std::size_t k = 0; k < outcomes.size(); ++k) {

@@ -26,8 +26,7 @@ EffectSetting RandomEffect(std::mt19937_64& random, double min_factor, double ma
 EffectSetting RandomSize(std::mt19937_64& random, const std::string& id, double min_factor,
                          double max_factor) {
   const auto& effects = PressEffects();
-  const EffectInfo& info =
-      *std::find_if(effects.begin(), effects.end(), [&](const EffectInfo& e) { return e.id == id; });
+  const EffectInfo& info = *std::ranges::find_if(effects, [&](const EffectInfo& e) { return e.id == id; });
   EffectSetting setting{
       info.id, info.typical_size * min_factor * std::pow(max_factor / min_factor, Uniform(random)), {}};
   if (info.id == "relief_valve") setting.extra["crack"] = 130e5 + 60e5 * Uniform(random);

@@ -82,8 +82,7 @@ double TrueValue(const std::string& parameter, const PressOptions& options) {
 
 const EffectInfo* InfoOf(const std::string& effect) {
   const auto& effects = PressEffects();
-  const auto info =
-      std::find_if(effects.begin(), effects.end(), [&](const EffectInfo& e) { return e.id == effect; });
+  const auto info = std::ranges::find_if(effects, [&](const EffectInfo& e) { return e.id == effect; });
   return info == effects.end() ? nullptr : &*info;
 }
 
@@ -108,16 +107,16 @@ struct RecoveryTally {
 };
 
 void PrintHeader() {
-  std::cout << fmt::format("{:<28} {:>11} {:>11} {:>10} {:<17} {:>7}", "effect", "size, truth", "found",
-                           "std", "unit", "dev.");
-  for (const char* name : {"K'", "V0", "Q_vn", "y_0"}) std::cout << fmt::format(" {:>6}", name);
+  fmt::print("{:<28} {:>11} {:>11} {:>10} {:<17} {:>7}", "effect", "size, truth", "found", "std", "unit",
+             "dev.");
+  for (const char* name : {"K'", "V0", "Q_vn", "y_0"}) fmt::print(" {:>6}", name);
   std::cout << "  shape\n";
 }
 
 void PrintRow(const std::string& effect, const std::vector<RecoveredValue>& values) {
   const RecoveredValue& size = values.front();
-  std::cout << fmt::format("{:<28} {:>11.4g} {:>11.4g} {:>10.2g} {:<17}", effect, size.truth, size.value,
-                           size.std, size.unit);
+  fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>10.2g} {:<17}", effect, size.truth, size.value, size.std,
+             size.unit);
   bool far = false;
   std::string shape;
   for (const RecoveredValue& value : values) {
@@ -126,7 +125,7 @@ void PrintRow(const std::string& effect, const std::vector<RecoveredValue>& valu
       shape += fmt::format(" {} {:.4g} for {:.4g} ({:.2f})", value.name, value.value, value.truth,
                            value.Deviation());
     else
-      std::cout << fmt::format(" {:>6.2f}", value.Deviation());
+      fmt::print(" {:>6.2f}", value.Deviation());
   }
   std::cout << " " << shape << (far ? "  <- missed\n" : "\n");
 }
@@ -163,7 +162,7 @@ Result<std::vector<RecoveredValue>> RecoverEffect(const std::string& effect, dou
 }
 
 int RunRecovery(const RecoveryOptions& o) {
-  std::cout << fmt::format(
+  fmt::print(
       "each effect of the library, simulated {} and fitted with the model extended by it; "
       "{:.0f} s, seeds {} ... {}\ndev.: (found - truth) / stated standard deviation\n\n",
       o.random ? "in a random machine at a random size and shape" : "at its typical size", o.seconds, o.seed,
@@ -177,8 +176,7 @@ int RunRecovery(const RecoveryOptions& o) {
     if (!o.effect.empty() && o.effect != effect.id) continue;
     for (int s = 0; s < o.seeds; ++s) {
       // Logs of their own: one unlucky draw must not show in every row.
-      const std::uint64_t seed =
-          1000 * (o.seed + static_cast<std::uint64_t>(s)) + (&effect - PressEffects().data());
+      const std::uint64_t seed = 1000 * (o.seed + s) + (&effect - PressEffects().data());
       const auto values = RecoverEffect(effect.id, o.seconds, seed, o.random);
       if (values && values->empty()) {
         ++unseen;
@@ -190,7 +188,7 @@ int RunRecovery(const RecoveryOptions& o) {
     }
   }
   const auto sizes = tally.of_kind[RecoveredKind::kSize], shapes = tally.of_kind[RecoveredKind::kShape];
-  std::cout << fmt::format(
+  fmt::print(
       "\n95 % intervals that hold the truth: sizes {} of {}, shapes {} of {}, all parameters {} of {}; "
       "beyond 3 standard deviations: {}\n",
       sizes.first, sizes.second, shapes.first, shapes.second, tally.inside, tally.values, tally.far);

@@ -31,7 +31,7 @@ std::vector<std::string> Logs(const SealFrictionOptions& options) {
   std::error_code failure;
   for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
     if (entry.path().extension() == ".csv") logs.push_back(entry.path().string());
-  std::sort(logs.begin(), logs.end());
+  std::ranges::sort(logs);
   if (logs.empty()) std::cerr << fmt::format("no runs (*.csv) in {}: give the folder with --data\n", folder);
   return logs;
 }
@@ -76,9 +76,9 @@ int RunSealFriction(const SealFrictionOptions& options) {
     apart.push_back(std::move(*strokes));
   }
 
-  std::cout << fmt::format("{} strokes of {} logs, {} of {} rows used\n\nF = A p + c, error in N rms\n",
-                           result->strokes, logs.size(), result->log.totals.used, result->log.totals.samples);
-  std::cout << fmt::format("  {:<26} {:>17} {:>20}\n", "", "strokes left out", "pressures left out");
+  fmt::print("{} strokes of {} logs, {} of {} rows used\n\nF = A p + c, error in N rms\n", result->strokes,
+             logs.size(), result->log.totals.used, result->log.totals.samples);
+  fmt::print("  {:<26} {:>17} {:>20}\n", "", "strokes left out", "pressures left out");
   std::vector<int> columns(static_cast<std::size_t>(x.model->base_count));
   std::iota(columns.begin(), columns.end(), 0);
   for (std::size_t k = 0; k < x.steps.size(); ++k) {
@@ -86,29 +86,28 @@ int RunSealFriction(const SealFrictionOptions& options) {
       const EffectChoice& choice = x.chosen[k - 1];
       columns.push_back(x.model->effect_shapes[choice.effect][choice.shape].columns.front());
     }
-    std::cout << fmt::format("  {:<26} {:>17.2f} {:>20.2f}\n", k == 0 ? "as it is" : "+ " + x.steps[k].added,
-                             x.steps[k].rms_holdout,
-                             ErrorOnLogsLeftOut(apart, columns, x.model->output_column()));
+    fmt::print("  {:<26} {:>17.2f} {:>20.2f}\n", k == 0 ? "as it is" : "+ " + x.steps[k].added,
+               x.steps[k].rms_holdout, ErrorOnLogsLeftOut(apart, columns, x.model->output_column()));
   }
-  std::cout << fmt::format("  {:<26} {:>17.2f}\n\nverdict {}: {}{}\n", "sensor noise alone",
-                           x.final.noise_floor, VerdictName(x.verdict), fmt::join(x.set, ", "),
-                           x.doubt.empty() ? "" : fmt::format(" ({})", x.doubt.english));
+  fmt::print("  {:<26} {:>17.2f}\n\nverdict {}: {}{}\n", "sensor noise alone", x.final.noise_floor,
+             VerdictName(x.verdict), fmt::join(x.set, ", "),
+             x.doubt.empty() ? "" : fmt::format(" ({})", x.doubt.english));
   for (const EffectEstimate& e : x.final.effects)
-    std::cout << fmt::format("  {:<18} {} = {:.4g} ± {:.2g} {}\n", result->effect(e.choice.effect).id,
-                             result->effect(e.choice.effect).parameter, e.size, kNormal95 * e.std,
-                             result->effect(e.choice.effect).unit);
+    fmt::print("  {:<18} {} = {:.4g} ± {:.2g} {}\n", result->effect(e.choice.effect).id,
+               result->effect(e.choice.effect).parameter, e.size, kNormal95 * e.std,
+               result->effect(e.choice.effect).unit);
 
   double bore = NAN;
   for (const Estimate& e : BaseParameters(*result->log.model, x.final, static_cast<int>(result->strokes))) {
     if (e.parameter != "bore") continue;
     bore = e.value;
-    std::cout << fmt::format("  bore               {:.2f} ± {:.2f} mm (95 % interval); gauge: 25.7 mm\n",
-                             1e3 * e.value, 1e3 * kNormal95 * e.std);
+    fmt::print("  bore               {:.2f} ± {:.2f} mm (95 % interval); gauge: 25.7 mm\n", 1e3 * e.value,
+               1e3 * kNormal95 * e.std);
   }
   const bool named = std::set<std::string>(x.set.begin(), x.set.end()) == kTrue;
   const bool falls = x.final.rms_holdout < kRequiredFall * x.base.rms_holdout;
   const bool fits = std::abs(bore - kBore) <= kBoreTolerance;
-  std::cout << fmt::format(
+  fmt::print(
       "\nrequired: coulomb_friction and pressure_friction named ({}), error down to a quarter ({}), bore "
       "25.7 ± 0.2 mm ({})\n",
       named ? "yes" : "NO", falls ? "yes" : "NO", fits ? "yes" : "NO");

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <random>
 
+#include "core/contains.h"
 #include "diagnosis/states/held_out_run.h"
 #include "studies/parallel.h"
 
@@ -135,8 +136,7 @@ NextLog NextLogOf(const StateMachineCase& one, const Machine& machine, const Sta
   if (!followed.solved()) return {INFINITY, 0};
   const Eigen::VectorXd rms = RmsOf(followed.residuals, followed.model->output.rows);
   NextLog out;
-  for (Eigen::Index j = 0; j < rms.size(); ++j)
-    out.error = std::max(out.error, rms[j] / log.noise[static_cast<std::size_t>(j)]);
+  for (Eigen::Index j = 0; j < rms.size(); ++j) out.error = std::max(out.error, rms[j] / log.noise[j]);
   const Episode recorded{0, 0, {whole.time.begin(), whole.time.begin() + rows}, whole.signal.topRows(rows)};
   out.short_error = LookAtHeldOut(fit, std::span(&recorded, 1), followed, std::span(&next, 1)).short_error;
   return out;
@@ -175,7 +175,7 @@ StateMachineCase CaseNumber(int number, const StateMachinesOptions& options) {
   StateMachineCase out;
   SimulatedStates& simulated = out.simulated;
   simulated.kind = static_cast<StateMachineKind>(number % 3);
-  simulated.seed = options.seed * 1000 + static_cast<std::uint64_t>(number);
+  simulated.seed = options.seed * 1000 + number;
   const int turn = number / 3 % 4;  // two known effects, one unknown, one healthy
   simulated.measured = number / 12 % 2 == 1;
   simulated.rows = options.rows;
@@ -213,7 +213,7 @@ StateMachineOutcome RunCase(int number, const StateMachinesOptions& options) {
   out.measured = one.simulated.measured;
   StateMachinesScore& score = out.score;
   score.cases = 1;
-  const bool in_set = std::find(x.set.begin(), x.set.end(), hidden) != x.set.end();
+  const bool in_set = Contains(x.set, hidden);
   score.wrong = !x.set.empty() && !in_set;
   NextLog next;
   if (hidden.empty()) {
@@ -248,7 +248,7 @@ int RunStateMachines(const StateMachinesOptions& options) {
   ForEachCase(
       options.cases, progress,
       [&](int number) {
-        StateMachineOutcome& outcome = outcomes[static_cast<std::size_t>(number)];
+        StateMachineOutcome& outcome = outcomes[number];
         outcome = RunCase(options.first + number, options);
         const std::lock_guard lock(mutex);
         fmt::print("{}", outcome.line);

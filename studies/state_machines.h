@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "diagnosis/states/explain_states.h"
 #include "simulator/own_states/machines.h"

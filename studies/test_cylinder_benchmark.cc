@@ -103,24 +103,24 @@ bool PrintErrors(const char* name, const std::vector<TestCylinderOptions>& recor
     const bool reached =
         (kLargestError[k] == 0 || t.worst <= kLargestError[k]) && t.inside >= kLeastCoverage * t.count;
     kept = kept && reached;
-    std::cout << fmt::format("{:<18} {:<7} {:>10.5g} {:>10.5g} {:>8.2f} {:>8.2f} {} {:>10.0f} %{}\n", name,
-                             p.name, truth[k] * p.factor, t.sum / std::max(1, t.count) * p.factor,
-                             (delay ? 1e3 : 100) * std::sqrt(t.squares / std::max(1, t.count)),
-                             (delay ? 1e3 : 100) * t.worst, delay ? "us" : "% ",
-                             100.0 * t.inside / std::max(1, t.count), reached ? "" : "  MISSED");
+    fmt::print("{:<18} {:<7} {:>10.5g} {:>10.5g} {:>8.2f} {:>8.2f} {} {:>10.0f} %{}\n", name, p.name,
+               truth[k] * p.factor, t.sum / std::max(1, t.count) * p.factor,
+               (delay ? 1e3 : 100) * std::sqrt(t.squares / std::max(1, t.count)),
+               (delay ? 1e3 : 100) * t.worst, delay ? "us" : "% ", 100.0 * t.inside / std::max(1, t.count),
+               reached ? "" : "  MISSED");
   }
   if (fitted < records.size())
-    std::cout << fmt::format("{:<18} no fit in {} records  MISSED\n", name, records.size() - fitted);
+    fmt::print("{:<18} no fit in {} records  MISSED\n", name, records.size() - fitted);
   return kept;
 }
 
 bool PublishedValves(const TestCylinderBenchmarkOptions& o) {
-  std::cout << fmt::format("{:<18} {:<7} {:>10} {:>10} {:>8} {:>8} {:>15}\n", "valve", "", "published",
-                           "mean", "rms", "worst", "inside 95 %");
+  fmt::print("{:<18} {:<7} {:>10} {:>10} {:>8} {:>8} {:>15}\n", "valve", "", "published", "mean", "rms",
+             "worst", "inside 95 %");
   bool kept = true;
   for (const bool large : {false, true}) {
     std::vector<TestCylinderOptions> records;
-    for (int i = 0; i < o.seeds; ++i) records.push_back(Valve(large, o.seed + static_cast<std::uint64_t>(i)));
+    for (int i = 0; i < o.seeds; ++i) records.push_back(Valve(large, o.seed + i));
     kept = PrintErrors(large ? "38 l/min" : "19 l/min", records, MeasureAll(records, o.threads)) && kept;
   }
   return kept;
@@ -136,8 +136,7 @@ TestCylinderOptions WithMoreNoise(std::uint64_t seed, double seconds) {
 
 bool LengthAskedFor(const TestCylinderBenchmarkOptions& o) {
   std::vector<TestCylinderOptions> records, longer;
-  for (int i = 0; i < o.changes; ++i)
-    records.push_back(WithMoreNoise(o.seed + static_cast<std::uint64_t>(i), 60));
+  for (int i = 0; i < o.changes; ++i) records.push_back(WithMoreNoise(o.seed + i, 60));
   const auto responses = MeasureAll(records, o.threads);
   double least = std::numeric_limits<double>::infinity(), most = 0;
   int asked = 0;
@@ -149,7 +148,7 @@ bool LengthAskedFor(const TestCylinderBenchmarkOptions& o) {
     longer.push_back(
         WithMoreNoise(o.seed + 1000 + i, std::max(60.0, std::ceil(responses[i]->seconds_needed))));
   }
-  std::cout << fmt::format(
+  fmt::print(
       "\nnoise and disturbance {:g} times as large, 60 s: a longer record asked for in {} of {}, {:.0f} to {:.0f} s; "
       "records of that length:\n",
       kNoiseFactor, asked, records.size(), least, most);
@@ -158,12 +157,11 @@ bool LengthAskedFor(const TestCylinderBenchmarkOptions& o) {
 }
 
 void BiasOfDirectRatio(const TestCylinderBenchmarkOptions& o) {
-  std::cout << fmt::format("\nmean error of the gain from {:g} to {:g} Hz, {} records:\n", kBiasFrom, kBiasTo,
-                           o.changes);
+  fmt::print("\nmean error of the gain from {:g} to {:g} Hz, {} records:\n", kBiasFrom, kBiasTo, o.changes);
   for (const double excitation : {1.0, kQuarter}) {
     std::vector<TestCylinderOptions> records;
     for (int i = 0; i < o.changes; ++i) {
-      records.push_back(Valve(false, o.seed + static_cast<std::uint64_t>(i)));
+      records.push_back(Valve(false, o.seed + i));
       records.back().excitation *= excitation;
     }
     double direct = 0, ratio = 0;
@@ -180,10 +178,9 @@ void BiasOfDirectRatio(const TestCylinderBenchmarkOptions& o) {
         ++count;
       }
     }
-    std::cout << fmt::format(
-        "  excitation {:.1f} mA: output over input {:+.1f} %, ratio of cross spectra {:+.1f} %\n",
-        1e3 * records.front().excitation, 100 * direct / std::max(1, count),
-        100 * ratio / std::max(1, count));
+    fmt::print("  excitation {:.1f} mA: output over input {:+.1f} %, ratio of cross spectra {:+.1f} %\n",
+               1e3 * records.front().excitation, 100 * direct / std::max(1, count),
+               100 * ratio / std::max(1, count));
   }
 }
 
@@ -216,8 +213,8 @@ std::string_view Named(const LoopComparison& c) {
 }
 
 bool ChangesNamed(const TestCylinderBenchmarkOptions& o) {
-  std::cout << fmt::format("\nwhat explain --since says, {} pairs each:\n  {:<22} {:>8} {:>14} {:>8}\n",
-                           o.changes, "changed", "right", "undecided", "wrong");
+  fmt::print("\nwhat explain --since says, {} pairs each:\n  {:<22} {:>8} {:>14} {:>8}\n", o.changes,
+             "changed", "right", "undecided", "wrong");
   bool kept = true;
   int wrongs = 0;
   for (const ChangeCase& one : kChangeCases) {
@@ -241,7 +238,7 @@ bool ChangesNamed(const TestCylinderBenchmarkOptions& o) {
       else
         ++wrong;
     }
-    std::cout << fmt::format("  {:<22} {:>8} {:>14} {:>8}\n", one.name, right, undecided, wrong);
+    fmt::print("  {:<22} {:>8} {:>14} {:>8}\n", one.name, right, undecided, wrong);
     wrongs += wrong;
     kept = kept && right >= 0.9 * o.changes;
   }
@@ -258,7 +255,7 @@ void WhatIsNotInTheModel(const TestCylinderBenchmarkOptions& o) {
   for (const ChangeCase& one : cases) {
     std::vector<TestCylinderOptions> records;
     for (int i = 0; i < o.changes; ++i) {
-      records.push_back(Valve(false, o.seed + static_cast<std::uint64_t>(i)));
+      records.push_back(Valve(false, o.seed + i));
       one.apply(records.back());
     }
     std::array<double, 4> error{};
@@ -272,9 +269,9 @@ void WhatIsNotInTheModel(const TestCylinderBenchmarkOptions& o) {
       for (std::size_t k = 0; k < error.size(); ++k)
         error[k] += 100 * (response->parameters[k].value / truth[k] - 1);
     }
-    std::cout << fmt::format(
-        "  {:<20} f_h {:+.1f}  zeta_h {:+.1f}  f_sv {:+.1f}  K_sv {:+.1f}; misfit said in {} of {}\n",
-        one.name, error[0] / count, error[1] / count, error[2] / count, error[3] / count, flagged, count);
+    fmt::print("  {:<20} f_h {:+.1f}  zeta_h {:+.1f}  f_sv {:+.1f}  K_sv {:+.1f}; misfit said in {} of {}\n",
+               one.name, error[0] / count, error[1] / count, error[2] / count, error[3] / count, flagged,
+               count);
   }
   std::cout
       << "  * the transfer function then is another one: f_h and K_sv as the paper's eq. 9 has them, against its eq. 11\n";
@@ -283,7 +280,7 @@ void WhatIsNotInTheModel(const TestCylinderBenchmarkOptions& o) {
 }  // namespace
 
 int RunTestCylinderBenchmark(const TestCylinderBenchmarkOptions& o) {
-  std::cout << fmt::format(
+  fmt::print(
       "Servo-hydraulic test cylinder, {} simulated records of 60 s per valve, 8.9 mA, noise 2 um, "
       "disturbance 0.5 mA, seeds from {}\n\n",
       o.seeds, o.seed);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "models/machine_kind.h"
 #include "models/state_model.h"
 #include "pipeline/episode_cutter.h"
@@ -13,7 +14,6 @@
 #include "replay/log_reader.h"
 #include "workbench/fit_log.h"
 #include "workbench/identifiability.h"
-#include "workbench/model/machine_model.h"
 #include "workbench/plausibility.h"
 #include "workbench/states/states_log.h"
 #include "workbench/states/states_warnings.h"
@@ -37,7 +37,7 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   for (std::size_t s = 0; s < check.machine.signals.size(); ++s) {
     const SignalSpec& spec = check.machine.signals[s];
     const auto& absent = check.pass.summary.absent;
-    const bool present = std::find(absent.begin(), absent.end(), spec.name) == absent.end();
+    const bool present = !Contains(absent, spec.name);
     // What a sweep or noise on the command moves from row to row is no noise of a sensor.
     const bool quiet = !MeasuredByResponse(KindOf(check.machine));
     check.signals.push_back(
@@ -157,9 +157,9 @@ bool CheckResult::Clean() const {
 }
 
 bool CheckResult::NothingIdentified() const {
-  return !parameters.empty() &&
-         std::all_of(parameters.begin(), parameters.end(),
-                     [](const CheckedParameter& p) { return p.verdict == Identifiability::kNot; });
+  return !parameters.empty() && std::ranges::all_of(parameters, [](const CheckedParameter& p) {
+    return p.verdict == Identifiability::kNot;
+  });
 }
 
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {

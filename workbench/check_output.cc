@@ -9,6 +9,7 @@
 #include "core/constants.h"
 #include "core/counted_words.h"
 #include "core/interval_text.h"
+#include "core/json_value.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
@@ -232,8 +233,8 @@ nlohmann::json SignalJson(const CheckedSignal& s) {
 /// "speed_m_s"
 std::string JsonKey(const Condition& condition) {
   std::string key = condition.name + "_" + condition.unit;
-  std::replace_if(
-      key.begin(), key.end(), [](char c) { return c == '/' || c == ' '; }, '_');
+  std::ranges::replace_if(
+      key, [](char c) { return c == '/' || c == ' '; }, '_');
   return key;
 }
 
@@ -301,7 +302,7 @@ nlohmann::json CheckJson(const CheckResult& check) {
       {"machine", check.machine.name},
       {"rows", s.rows},
       {"rejected_rows", s.rejected_rows},
-      {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
+      {"stopped", JsonOrNull(s.stopped)},
       {"findings", findings},
       {"clean", check.Clean()},
       {"duration_s", t.last - t.first},

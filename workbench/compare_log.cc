@@ -80,8 +80,8 @@ std::size_t CompareResult::WorstStroke() const {
     const double above = s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor;
     return std::isnan(above) ? -std::numeric_limits<double>::infinity() : above;
   };
-  const auto worst = std::max_element(per_stroke.begin(), per_stroke.end(),
-                                      [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
+  const auto worst = std::ranges::max_element(
+      per_stroke, [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
   return static_cast<std::size_t>(worst - per_stroke.begin());
 }
 
@@ -148,9 +148,7 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
     out.per_stroke.push_back(stroke.Comparison());
     out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
     out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
-    out.per_stroke.back().log =
-        std::filesystem::path(chosen->fitted[static_cast<std::size_t>(out.log.strokes[s].gram.log)])
-            .filename();
+    out.per_stroke.back().log = std::filesystem::path(chosen->fitted[out.log.strokes[s].gram.log]).filename();
   }
   out.overall = OverallOf(out.model.figures);
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;

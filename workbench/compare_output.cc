@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/json_value.h"
 #include "core/short_number.h"
 #include "models/counted_words.h"
 #include "models/output_unit.h"
@@ -102,8 +103,8 @@ std::string StrokesText(const CompareResult& result) {
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   const CountedWords counted = CountedWordsOf(result.log.machine);
   const DisplayUnit run = RunUnit(result);
-  const bool runs = std::any_of(result.per_stroke.begin(), result.per_stroke.end(),
-                                [](const StrokeComparison& s) { return s.free_run.has_value(); });
+  const bool runs = std::ranges::any_of(result.per_stroke,
+                                        [](const StrokeComparison& s) { return s.free_run.has_value(); });
   std::string text =
       fmt::format("\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n",
                   counted.one, unit.name, runs ? fmt::format("; free run in {}", run.name) : "", counted.one,
@@ -204,7 +205,7 @@ nlohmann::json StrokesJson(const CompareResult& result) {
     out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor, RunUnit(result).factor));
     out.back()["stroke"] = s.stroke;
     if (!s.log.empty()) out.back()["log"] = s.log;
-    out.back()["begin"] = std::isfinite(s.begin) ? nlohmann::json(s.begin) : nlohmann::json();
+    out.back()["begin"] = JsonNumber(s.begin);
   }
   return out;
 }

@@ -11,7 +11,6 @@
 #include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
-#include "models/effect.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"

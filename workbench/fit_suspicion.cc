@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_value.h"
 #include "core/told_error.h"
 #include "workbench/explain/headline.h"
 #include "workbench/explain/odd_text.h"
@@ -78,7 +79,7 @@ std::string SuspicionText(const FitSuspicion& suspicion) {
 }
 
 void AddSuspicion(const FitSuspicion& suspicion, nlohmann::json& json) {
-  json["verdict"] = suspicion.verdict.empty() ? nlohmann::json() : nlohmann::json(suspicion.verdict);
+  json["verdict"] = JsonOrNull(suspicion.verdict);
   json["suspects"] = suspicion.suspects;
   nlohmann::json& warnings = json["warnings"];
   if (!warnings.is_array()) warnings = nlohmann::json::array();

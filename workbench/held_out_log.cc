@@ -20,10 +20,10 @@ Result<LogChoice> ChooseLogs(const std::vector<std::string>& logs, const std::st
   const auto is_meant = [&](const std::string& log) {
     return log == hold_out || std::filesystem::path(log).filename() == hold_out;
   };
-  const auto count = std::count_if(logs.begin(), logs.end(), is_meant);
+  const auto count = std::ranges::count_if(logs, is_meant);
   if (count > 1)
     return UsageError("--hold-out {}: {} of the logs have this name; give the path", hold_out, count);
-  if (count == 1) out.held_out = *std::find_if(logs.begin(), logs.end(), is_meant);
+  if (count == 1) out.held_out = *std::ranges::find_if(logs, is_meant);
   std::erase_if(out.fitted, is_meant);
   if (out.fitted.empty()) return UsageError("--hold-out {}: no other log is left to fit to", hold_out);
   return out;

@@ -12,8 +12,8 @@ namespace {
 Result<std::vector<int>> SignalsOf(const Region& region, const Residuals& residuals) {
   std::vector<int> rows;
   for (const RegionRange& range : region) {
-    const auto found = std::find_if(residuals.signals.begin(), residuals.signals.end(),
-                                    [&](const ResidualSignal& s) { return s.name == range.signal; });
+    const auto found = std::ranges::find_if(residuals.signals,
+                                            [&](const ResidualSignal& s) { return s.name == range.signal; });
     if (found == residuals.signals.end())
       return BadInput(Tell("where: there is no signal '{}' to look over",
                            "über '{}' lässt sich nicht auftragen: dieses Signal gibt es nicht",
@@ -26,7 +26,7 @@ Result<std::vector<int>> SignalsOf(const Region& region, const Residuals& residu
 bool IsInside(const Region& region, const std::vector<int>& rows, const Residuals& residuals,
               const StrokeResiduals& stroke, int window) {
   for (std::size_t k = 0; k < region.size(); ++k) {
-    const ResidualSignal& signal = residuals.signals[static_cast<std::size_t>(rows[k])];
+    const ResidualSignal& signal = residuals.signals[rows[k]];
     const double shown = stroke.signal(rows[k], window) * signal.factor + signal.offset;
     if (!(shown >= region[k].from && shown <= region[k].to)) return false;
   }
@@ -72,8 +72,7 @@ Result<ErrorsInRegion> ErrorsIn(const Region& region, const Residuals& residuals
       in.by_stroke.emplace_back(strokes[s], RegionSums());
     in.by_stroke.back().second.Add(sums);
   }
-  std::sort(in.with_effect.begin(), in.with_effect.end(),
-            [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::ranges::sort(in.with_effect, [](const auto& a, const auto& b) { return a.second < b.second; });
   for (auto& [effect, squares] : in.with_effect) squares = std::sqrt(squares / std::max(1.0, in.all.windows));
   return in;
 }

@@ -96,7 +96,7 @@ Status FeedReader::ReadTrends(AxisPicture& axis) {
   }
   const auto names = database_->MachineNames();
   if (!names) return tl::unexpected(names.error());
-  if (std::find(names->begin(), names->end(), axis.machine) == names->end()) return {};
+  if (std::ranges::find(*names, axis.machine) == names->end()) return {};
   const auto id = database_->MachineId(axis.machine);
   if (!id) return tl::unexpected(id.error());
   const auto end = database_->EndSequence(*id);
@@ -121,7 +121,7 @@ Result<bool> FeedReader::Acknowledge(const std::string& machine, const std::stri
 
 int FeedReader::AxisNumber(const std::string& machine) const {
   if (!press_.empty() && machine == press_) return static_cast<int>(machines_.size()) + 1;
-  const auto found = std::find(machines_.begin(), machines_.end(), machine);
+  const auto found = std::ranges::find(machines_, machine);
   return found == machines_.end() ? 0 : static_cast<int>(found - machines_.begin()) + 1;
 }
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "cli/machines/press_settings.h"
+#include "core/contains.h"
 #include "core/finite_number.h"
-#include "core/units.h"
 
 namespace hydroscope {
 namespace {
@@ -27,7 +27,7 @@ Result<Options> ReadOptions(const std::vector<std::string>& words, std::size_t f
     const auto equals = words[k].find('=');
     const std::string name = words[k].substr(0, equals);
     const auto value = equals == std::string::npos ? std::nullopt : FiniteNumber(words[k].substr(equals + 1));
-    if (!value || std::find(known.begin(), known.end(), name) == known.end())
+    if (!value || !Contains(known, name))
       return UsageError("'{}' is not understood; expected {}=NUMBER", words[k],
                         fmt::join(known, "=NUMBER or "));
     options[name] = *value;

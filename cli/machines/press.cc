@@ -101,7 +101,7 @@ Status RunPress(const PressArguments& a) {
   if (a.cylinders == 1) return WritePressLog(*options, a.out, a.truth);
   const auto cushions = FourCushions(*options);
   for (int k = 1; k <= a.cylinders; ++k) {
-    PressOptions cushion = cushions[static_cast<std::size_t>(k - 1)];
+    PressOptions cushion = cushions[k - 1];
     if (a.effect_cylinder != 0 && k != a.effect_cylinder) cushion.effects.clear();
     const std::string truth = a.truth.empty() ? "" : NameOfCylinder(a.truth, k, a.cylinders);
     if (const Status s = WritePressLog(cushion, NameOfCylinder(a.out, k, a.cylinders), truth); !s) return s;

@@ -18,6 +18,13 @@
 namespace hydroscope {
 namespace {
 
+std::string ExtrasText(const std::vector<EffectExtra>& extras) {
+  std::string text;
+  for (const EffectExtra& extra : extras)
+    text += fmt::format("; {}={:g} {}", extra.name, extra.value, extra.unit);
+  return text;
+}
+
 std::vector<std::string> Parts(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
@@ -28,6 +35,40 @@ std::vector<std::string> Parts(const std::string& text, char separator) {
     }
   }
   return parts;
+}
+
+/// "NAME" or "NAME=SIZE", and further numbers and the channel, "on", behind commas.
+struct SizedName {
+  std::string name, channel;
+  std::optional<double> size;
+  std::map<std::string, double> extra;
+};
+
+Result<SizedName> ParseSizedName(const char* option, const std::string& text, const char* example,
+                                 bool has_channel) {
+  SizedName out;
+  const auto parts = Parts(text, ',');
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const auto equals = parts[k].find('=');
+    const std::string name = parts[k].substr(0, equals);
+    const std::string given = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
+    if (k == 0) out.name = name;
+    if (k == 0 && equals == std::string::npos) continue;
+    if (k > 0 && has_channel && name == "on") {
+      out.channel = given;
+      continue;
+    }
+    const auto value = FiniteNumber(given);
+    if (!value)
+      return UsageError("--{} {}: '{}' is not NAME=NUMBER; expected e.g. {}", option, text, parts[k],
+                        example);
+    if (k == 0) {
+      out.size = *value;
+    } else {
+      out.extra[name] = *value;
+    }
+  }
+  return out;
 }
 
 struct FaultName {
@@ -44,59 +85,21 @@ constexpr FaultName kFaultNames[] = {{"nan", FaultKind::kNan},
 }  // namespace
 
 Result<EffectSetting> ParseEffect(const std::string& text) {
-  EffectSetting effect;
-  const auto parts = Parts(text, ',');
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const auto equals = parts[k].find('=');
-    const std::string name = parts[k].substr(0, equals);
-    if (k == 0) effect.id = name;
-    if (k == 0 && equals == std::string::npos) {
-      for (const EffectInfo& info : PressEffects())
-        if (info.id == name) effect.size = info.typical_size;
-      continue;
-    }
-    const auto value = equals == std::string::npos ? std::nullopt : FiniteNumber(parts[k].substr(equals + 1));
-    if (!value)
-      return UsageError("--effect {}: '{}' is not NAME=NUMBER; expected e.g. relief_valve=2e-11,crack=170e5",
-                        text, parts[k]);
-    if (k == 0) {
-      effect.size = *value;
-    } else {
-      effect.extra[name] = *value;
-    }
-  }
+  const auto given = ParseSizedName("effect", text, "relief_valve=2e-11,crack=170e5", false);
+  if (!given) return tl::unexpected(given.error());
+  EffectSetting effect{given->name, given->size.value_or(0), given->extra};
+  for (const EffectInfo& info : PressEffects())
+    if (!given->size && info.id == effect.id) effect.size = info.typical_size;
   return effect;
 }
 
 Result<ImperfectionSetting> ParseImperfection(const std::string& text) {
-  ImperfectionSetting setting;
-  const auto parts = Parts(text, ',');
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const auto equals = parts[k].find('=');
-    const std::string name = parts[k].substr(0, equals);
-    const std::string given = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
-    if (k == 0) setting.kind = name;
-    if (k == 0 && equals == std::string::npos) {
-      for (const ImperfectionInfo& info : PressImperfections())
-        if (info.name == name) setting.size = info.typical_size;
-      if (setting.size == 0) setting.size = std::nan("");  // unknown kind: the simulator says so
-      continue;
-    }
-    if (k > 0 && name == "on") {
-      setting.channel = given;
-      continue;
-    }
-    const auto value = FiniteNumber(given);
-    if (!value)
-      return UsageError(
-          "--imperfection {}: '{}' is not NAME=NUMBER; expected e.g. coloured_noise=0.1,phi=0.8,on=p_A", text,
-          parts[k]);
-    if (k == 0) {
-      setting.size = *value;
-    } else {
-      setting.extra[name] = *value;
-    }
-  }
+  const auto given = ParseSizedName("imperfection", text, "coloured_noise=0.1,phi=0.8,on=p_A", true);
+  if (!given) return tl::unexpected(given.error());
+  ImperfectionSetting setting{given->name, given->size.value_or(0), given->extra, given->channel};
+  for (const ImperfectionInfo& info : PressImperfections())
+    if (!given->size && info.name == setting.kind) setting.size = info.typical_size;
+  if (!given->size && setting.size == 0) setting.size = std::nan("");  // unknown kind: the simulator says so
   return setting;
 }
 
@@ -214,25 +217,19 @@ nlohmann::json TruthJson(const PressTruth& truth) {
 std::string ImperfectionTable() {
   std::string text =
       fmt::format("{:<34}{:<14}{:>10}  {}\n", "imperfection", "unit", "typical", "law (further numbers)");
-  for (const ImperfectionInfo& info : PressImperfections()) {
-    text += fmt::format("{:<34}{:<14}{:>10.3g}  {}", info.name, info.unit, info.typical_size, info.law);
-    for (const EffectExtra& extra : info.extras)
-      text += fmt::format("; {}={:g} {}", extra.name, extra.value, extra.unit);
-    if (!info.channel.empty()) text += fmt::format("; on={}", info.channel);
-    text += '\n';
-  }
+  for (const ImperfectionInfo& info : PressImperfections())
+    text += fmt::format("{:<34}{:<14}{:>10.3g}  {}{}{}\n", info.name, info.unit, info.typical_size, info.law,
+                        ExtrasText(info.extras),
+                        info.channel.empty() ? "" : fmt::format("; on={}", info.channel));
   return text;
 }
 
 std::string EffectTable() {
   std::string text =
       fmt::format("{:<28}{:<18}{:>10}  {}\n", "effect", "unit", "typical", "law (further numbers)");
-  for (const EffectInfo& info : PressEffects()) {
-    text += fmt::format("{:<28}{:<18}{:>10.3g}  {}", info.id, info.unit, info.typical_size, info.law);
-    for (const EffectExtra& extra : info.extras)
-      text += fmt::format("; {}={:g} {}", extra.name, extra.value, extra.unit);
-    text += '\n';
-  }
+  for (const EffectInfo& info : PressEffects())
+    text += fmt::format("{:<28}{:<18}{:>10.3g}  {}{}\n", info.id, info.unit, info.typical_size, info.law,
+                        ExtrasText(info.extras));
   return text;
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <unsupported/Eigen/FFT>
 
 #include "core/constants.h"
 #include "core/told_error.h"
+#include "estimation/frequency_response/segment_transform.h"
 
 namespace hydroscope {
 namespace {
@@ -20,32 +20,6 @@ constexpr std::size_t kFirstBin = 2;       // those of mean and trend are left o
 constexpr double kHighestOfNyquist = 0.8;  // beyond, filters of converters act
 // Coherence of set point and input: below, most of the input is not ours.
 constexpr double kLeastOfInput = 0.5;
-
-/// Windowed half spectra of one signal after the other.
-class SegmentTransform {
- public:
-  explicit SegmentTransform(std::size_t length)
-      : window_(length), windowed_(length), spectrum_(length / 2 + 1) {
-    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    for (std::size_t n = 0; n < length; ++n)
-      window_[n] = 0.5 - 0.5 * std::cos(kTwoPi * static_cast<double>(n) / static_cast<double>(length));
-  }
-
-  template <typename Value>
-  const std::vector<Complex>& operator()(Value value) {
-    double mean = 0;
-    for (std::size_t n = 0; n < window_.size(); ++n) mean += windowed_[n] = value(n);
-    mean /= static_cast<double>(window_.size());
-    for (std::size_t n = 0; n < window_.size(); ++n) windowed_[n] = (windowed_[n] - mean) * window_[n];
-    fft_.fwd(spectrum_.data(), windowed_.data(), static_cast<std::ptrdiff_t>(windowed_.size()));
-    return spectrum_;
-  }
-
- private:
-  Eigen::FFT<double> fft_;
-  std::vector<double> window_, windowed_;
-  std::vector<Complex> spectrum_;
-};
 
 /// Rows of a run that have a difference to the row before.
 std::size_t UsableRows(const SignalRun& run) { return run.input.empty() ? 0 : run.input.size() - 1; }

@@ -30,7 +30,7 @@ std::vector<double> SortedMagnitudes(const FrequencyRecord& record) {
   std::vector<double> magnitudes;
   for (const SignalRun& run : record.runs)
     for (const double u : run.input) magnitudes.push_back(std::abs(u));
-  std::sort(magnitudes.begin(), magnitudes.end());
+  std::ranges::sort(magnitudes);
   return magnitudes;
 }
 
@@ -44,12 +44,11 @@ std::optional<double> FindInputLimit(const FrequencyRecord& record, const LoopSp
   const auto likelihood = [&](double limit) { return LikelihoodWithLimit(record, same, limit, used); };
   std::vector<double> limits;
   for (const double share : kSharesCutOff)
-    limits.push_back(
-        magnitudes[static_cast<std::size_t>((1 - share) * static_cast<double>(magnitudes.size() - 1))]);
+    limits.push_back(magnitudes[(1 - share) * static_cast<double>(magnitudes.size() - 1)]);
   std::size_t best = 0;
   std::vector<double> values;
   for (const double limit : limits) values.push_back(likelihood(limit));
-  best = static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  best = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
   if (values[best] < likelihood(magnitudes.back()) + kLikelierThanNone) return std::nullopt;
   const double low = limits[std::min(best + 1, limits.size() - 1)];
   const double high = best == 0 ? magnitudes.back() : limits[best - 1];

@@ -15,8 +15,7 @@ constexpr double kReachBeyondStarts = 10;
 
 std::vector<double> ColumnOf(const Episode& episode, int signal) {
   std::vector<double> values(static_cast<std::size_t>(episode.rows()));
-  for (int row = 0; row < episode.rows(); ++row)
-    values[static_cast<std::size_t>(row)] = episode.signal(row, signal);
+  for (int row = 0; row < episode.rows(); ++row) values[row] = episode.signal(row, signal);
   return values;
 }
 
@@ -38,7 +37,7 @@ class LoopRecord : public ReadEpisode {
     first.parameters = Eigen::Map<const Eigen::VectorXd>(meant.parameters.data(), count);
     first.size = first.parameters.cwiseAbs();
     for (Eigen::Index p = 0; p < count; ++p)
-      first.size[p] = std::max(first.size[p], model_.plant->parameters[static_cast<std::size_t>(p)].scale);
+      first.size[p] = std::max(first.size[p], model_.plant->parameters[p].scale);
     first.shown_noise = RemainderOfTransfer(spectra_, used_, model_, meant.parameters);
     first.basis = first.parameters;
     for (Eigen::Index p = 0; p < count; ++p) {
@@ -77,8 +76,8 @@ class LoopEpisodes : public EpisodeModel {
                                  .unit = std::string(FindParameter(KindOf(machine), p.name)->si),
                                  .scale = p.scale};
       if (p.kind == LoopParameter::Kind::kPositive) {
-        followed.min = *std::min_element(p.starts.begin(), p.starts.end()) / kReachBeyondStarts;
-        followed.max = *std::max_element(p.starts.begin(), p.starts.end()) * kReachBeyondStarts;
+        followed.min = *std::ranges::min_element(p.starts) / kReachBeyondStarts;
+        followed.max = *std::ranges::max_element(p.starts) * kReachBeyondStarts;
       }
       parameters_.push_back(std::move(followed));
     }
@@ -123,8 +122,8 @@ TransferModel TransferModelOf(const Machine& machine, double sample_period) {
 std::vector<double> ReferencesOf(const Machine& machine) {
   std::vector<double> references;
   for (const LoopParameter& parameter : ClosedLoopOf(machine)->parameters) {
-    const auto monitor = std::find_if(machine.monitors.begin(), machine.monitors.end(),
-                                      [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
+    const auto monitor = std::ranges::find_if(
+        machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
     references.push_back(monitor == machine.monitors.end() ? kNaN : monitor->reference.value_or(kNaN));
   }
   return references;

@@ -229,8 +229,8 @@ std::vector<std::vector<double>> Combinations(const ClosedLoopPlant& plant) {
 /// Sets the gain to its best value, the others given.
 void ProjectGain(const std::vector<LoopTarget>& targets, const TransferModel& model,
                  std::vector<double>& parameters) {
-  const auto gain = std::find_if(model.plant->parameters.begin(), model.plant->parameters.end(),
-                                 [](const LoopParameter& p) { return p.kind == LoopKind::kGain; });
+  const auto gain = std::ranges::find_if(model.plant->parameters,
+                                         [](const LoopParameter& p) { return p.kind == LoopKind::kGain; });
   if (gain == model.plant->parameters.end()) return;
   double along = 0, squared = 0;
   for (const LoopTarget& t : targets) {
@@ -238,7 +238,7 @@ void ProjectGain(const std::vector<LoopTarget>& targets, const TransferModel& mo
     along += (std::conj(shape) * t.ry).real() / t.sigma;
     squared += std::norm(shape);
   }
-  parameters[static_cast<std::size_t>(gain - model.plant->parameters.begin())] *= along / squared;
+  parameters[gain - model.plant->parameters.begin()] *= along / squared;
 }
 
 double GainOf(const TransferModel& model, const std::vector<double>& parameters) {
@@ -256,7 +256,7 @@ std::vector<TransferMinimum> Valleys(const std::vector<LoopTarget>& all, LoopSea
     search.set_gain_scale(GainOf(search.model(), start));
     starts.emplace_back(ChiSquared(targets, search, search.Coordinates(start)), std::move(start));
   }
-  std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(starts, [](const auto& a, const auto& b) { return a.first < b.first; });
   starts.resize(std::min(starts.size(), kPolishedStarts));
   std::vector<TransferMinimum> valleys;
   for (const auto& [cost, start] : starts) {
@@ -266,7 +266,7 @@ std::vector<TransferMinimum> Valleys(const std::vector<LoopTarget>& all, LoopSea
     // Where poles coincide the search stands still between two ways to share them out.
     if (Settle(search, p)) end = PolishLoop(targets, search, p, 60);
     if (!std::isfinite(end)) continue;
-    const auto known = std::find_if(valleys.begin(), valleys.end(), [end = end](const TransferMinimum& v) {
+    const auto known = std::ranges::find_if(valleys, [end = end](const TransferMinimum& v) {
       return std::abs(v.chi_squared - end) <= kSameValley * end;
     });
     if (known != valleys.end())
@@ -274,8 +274,7 @@ std::vector<TransferMinimum> Valleys(const std::vector<LoopTarget>& all, LoopSea
     else
       valleys.push_back({search.Parameters(p), end, 1});
   }
-  std::sort(valleys.begin(), valleys.end(),
-            [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
+  std::ranges::sort(valleys, [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
   return valleys;
 }
 
@@ -367,10 +366,10 @@ std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEs
   const auto count = static_cast<std::ptrdiff_t>(other.parameters.size());
   MatrixXd slopes = MatrixXd::Identity(count, count);  // of logarithms
   for (std::ptrdiff_t j = 0; j < count; ++j) {
-    if (plant.parameters[static_cast<std::size_t>(j)].kind != LoopKind::kPositive) continue;
+    if (plant.parameters[j].kind != LoopKind::kPositive) continue;
     std::vector<double> up = estimate.parameters, down = estimate.parameters;
-    up[static_cast<std::size_t>(j)] *= 1 + kSlopeStep;
-    down[static_cast<std::size_t>(j)] *= 1 - kSlopeStep;
+    up[j] *= 1 + kSlopeStep;
+    down[j] *= 1 - kSlopeStep;
     if (!plant.share_out(up, way) || !plant.share_out(down, way)) return std::nullopt;
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -380,7 +379,7 @@ std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEs
   }
   other.covariance = slopes * estimate.covariance * slopes.transpose();
   for (std::ptrdiff_t i = 0; i < count; ++i)
-    if (plant.parameters[static_cast<std::size_t>(i)].kind == LoopKind::kPositive &&
+    if (plant.parameters[i].kind == LoopKind::kPositive &&
         !(std::sqrt(other.covariance(i, i)) <= kKnownOneByOne))
       return std::nullopt;
   return other;

@@ -113,8 +113,7 @@ std::vector<FrequencyPoint> CorrelateAll(const FrequencyRecord& record, const Se
   PoolVariances(correlated);
   std::vector<FrequencyPoint> points;
   for (const CorrelatedPoint& c : correlated) points.push_back(c.point);
-  std::stable_sort(points.begin(), points.end(),
-                   [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
+  std::ranges::stable_sort(points, [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
   return points;
 }
 
@@ -131,7 +130,7 @@ bool SameWindows(const std::vector<FrequencyPoint>& a, const std::vector<Frequen
 
 int CountReason(const std::vector<FrequencyPoint>& points, PointReason reason) {
   return static_cast<int>(
-      std::count_if(points.begin(), points.end(), [reason](const auto& p) { return p.reason == reason; }));
+      std::ranges::count_if(points, [reason](const auto& p) { return p.reason == reason; }));
 }
 
 void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
@@ -483,8 +482,7 @@ std::optional<ValveCheck> MakeValveCheck(const FrequencyResponse& response, doub
   for (const FrequencyPoint& p : response.points) {
     if (p.reason == PointReason::kUsed) amplitudes.push_back(p.amplitude);
   }
-  std::nth_element(amplitudes.begin(),
-                   amplitudes.begin() + static_cast<std::ptrdiff_t>(amplitudes.size() / 2), amplitudes.end());
+  std::nth_element(amplitudes.begin(), amplitudes.begin() + amplitudes.size() / 2, amplitudes.end());
   check.amplitude = amplitudes[amplitudes.size() / 2];
   check.worst_distortion = WorstDistortion(response.points);
   check.supply_pressure = supply_pressure;

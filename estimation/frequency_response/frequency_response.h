@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/result.h"
 #include "core/told.h"
+#include "core/valve_check.h"
 
 namespace hydroscope {
 
@@ -71,12 +71,6 @@ struct FrequencyPoint {
   double PhaseStd() const;
   /// Harmonic share of the response beyond that of the command; 0 where it does not stand out of its noise.
   double OwnDistortion() const;
-};
-
-/// A value with a standard deviation: value +- 1.96 std is the 95 % interval.
-struct ValueWithStd {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double std = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Second-order model with dead time. SI.
@@ -159,21 +153,6 @@ void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyRespons
 /// an error that says what was found and what to do; too few points for a model is not: see `model_reason`.
 Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,
                                                    const FrequencyResponseOptions& options = {});
-
-/// What a valve check leaves for the trend database: the model's figures and the conditions they hold for.
-struct ValveCheck {
-  double time = 0;                 ///< s, start of the record
-  ValueWithStd natural_frequency;  ///< Hz
-  ValueWithStd damping;            ///< 1
-  ValueWithStd gain;               ///< output per share of full command
-  ValueWithStd dead_time;          ///< s
-  ValueWithStd bandwidth;          ///< Hz
-  ValueWithStd phase_90;           ///< Hz
-  double amplitude = 0;            ///< share of full command, median over the points used
-  double worst_distortion = 0;     ///< largest significant harmonic share of the response, 0...1
-  double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean; NaN if not measured
-  double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean; NaN if not measured
-};
 
 /// The record of a response that has a model; nullopt if it has none.
 std::optional<ValveCheck> MakeValveCheck(const FrequencyResponse& response, double time,

@@ -65,8 +65,7 @@ std::vector<Vector4> Starts(const FitProblem& problem) {
       candidates.emplace_back(problem.Cost(p), p);
     }
   }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(candidates, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vector4> starts;
   double omega_0 = 0, damping = 0;
   if (SquaredGainStart(problem, omega_0, damping)) starts.push_back(problem.Complete(omega_0, damping));

@@ -282,12 +282,11 @@ Stairs FindStairs(std::span<const double> command) {
     last = n;
   }
   Stairs stairs;
-  stairs.length =
-      static_cast<std::size_t>(std::max_element(distances.begin(), distances.end()) - distances.begin());
+  stairs.length = static_cast<std::size_t>(std::ranges::max_element(distances) - distances.begin());
   if (stairs.length < 2) return {};
   std::vector<std::size_t> at(stairs.length, 0);
   for (std::size_t n = 1; n < command.size(); ++n) at[n % stairs.length] += command[n] != command[n - 1];
-  stairs.first = static_cast<std::size_t>(std::max_element(at.begin(), at.end()) - at.begin());
+  stairs.first = static_cast<std::size_t>(std::ranges::max_element(at) - at.begin());
   return 10 * at[stairs.first] >= 9 * changes ? stairs : Stairs{};
 }
 

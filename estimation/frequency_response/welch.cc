@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
-#include <unsupported/Eigen/FFT>
 
 #include "core/told_error.h"
+#include "estimation/frequency_response/segment_transform.h"
 
 namespace hydroscope {
 namespace {
@@ -21,15 +20,6 @@ constexpr int kFewestSegments = 4;
 // Of the typical amplitude of the command. A chirp of a servo press whose card adds
 // noise has 0.3 to 1 % beside its band (`hydroscope frf chirp_0A.txt --segment 16384`), 10 % at its edge.
 constexpr double kLeastAmplitude = 0.02;
-
-std::vector<double> HannWindow(std::size_t length) {
-  std::vector<double> window(length);
-  for (std::size_t n = 0; n < length; ++n) {
-    window[n] =
-        0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length));
-  }
-  return window;
-}
 
 /// Half spectra of all segments, one after the other.
 struct SegmentSpectra {
@@ -56,24 +46,19 @@ SegmentSpectra Transform(const FrequencyRecord& record, std::size_t length) {
   spectra.input.resize(static_cast<std::size_t>(spectra.segments) * spectra.bins);
   spectra.output.resize(spectra.input.size());
 
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  const std::vector<double> window = HannWindow(length);
-  std::vector<double> windowed(length);
-  // The segment's mean is taken off.
-  const auto transform = [&](const double* first, Complex* spectrum) {
-    const double mean = std::accumulate(first, first + length, 0.0) / static_cast<double>(length);
-    for (std::size_t n = 0; n < length; ++n) windowed[n] = (first[n] - mean) * window[n];
-    fft.fwd(spectrum, windowed.data(), static_cast<std::ptrdiff_t>(length));
-  };
+  SegmentTransform transform(length);
   std::size_t place = 0;
-  for (const SignalRun& run : record.runs) {
+  const auto put = [&](const std::vector<double>& signal, std::size_t start,
+                       std::vector<Complex>& spectra_of) {
+    std::ranges::copy(transform([&](std::size_t n) { return signal[start + n]; }),
+                      spectra_of.begin() + place);
+  };
+  for (const SignalRun& run : record.runs)
     for (std::size_t start = 0; start + length <= run.input.size(); start += length / 2) {
-      transform(run.input.data() + start, spectra.input.data() + place);
-      transform(run.output.data() + start, spectra.output.data() + place);
+      put(run.input, start, spectra.input);
+      put(run.output, start, spectra.output);
       place += spectra.bins;
     }
-  }
   return spectra;
 }
 
@@ -159,7 +144,7 @@ double TypicalAmplitude(const std::vector<FrequencyPoint>& points) {
   for (const FrequencyPoint& p : points) {
     if (p.reason == PointReason::kUsed) amplitudes.push_back(p.amplitude);
   }
-  std::sort(amplitudes.begin(), amplitudes.end());
+  std::ranges::sort(amplitudes);
   double above = std::accumulate(amplitudes.begin(), amplitudes.end(), 0.0) / 2;
   for (const double amplitude : amplitudes) {
     above -= amplitude;

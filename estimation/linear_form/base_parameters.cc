@@ -29,14 +29,11 @@ BaseParameterSet FindBaseParameters(const Eigen::MatrixXd& regressor, double tol
   }
 
   Eigen::MatrixXd independent(scaled.rows(), static_cast<Eigen::Index>(base.kept.size()));
-  for (std::size_t k = 0; k < base.kept.size(); ++k)
-    independent.col(static_cast<Eigen::Index>(k)) = scaled.col(base.kept[k]);
+  for (std::size_t k = 0; k < base.kept.size(); ++k) independent.col(k) = scaled.col(base.kept[k]);
   if (base.kept.empty()) return base;
   base.combination = independent.householderQr().solve(scaled);
   for (std::size_t k = 0; k < base.kept.size(); ++k)
-    base.combination.row(static_cast<Eigen::Index>(k)) =
-        base.combination.row(static_cast<Eigen::Index>(k)).cwiseProduct(length.transpose()) /
-        length[base.kept[k]];
+    base.combination.row(k) = base.combination.row(k).cwiseProduct(length.transpose()) / length[base.kept[k]];
   base.combination = (base.combination.array().abs() > 10 * tolerance).select(base.combination, 0.0);
   const Eigen::VectorXd singular = independent.jacobiSvd().singularValues();
   base.condition = singular[0] / singular[singular.size() - 1];

@@ -24,8 +24,7 @@ class LinearFitter {
       : known_(windows.known), noise_(windows.known.size(), 1.0) {
     for (const Eigen::MatrixXd& whole : windows.regressor) {
       Eigen::MatrixXd columns(whole.rows(), static_cast<Eigen::Index>(kept.size()));
-      for (std::size_t k = 0; k < kept.size(); ++k)
-        columns.col(static_cast<Eigen::Index>(k)) = whole.col(kept[k]);
+      for (std::size_t k = 0; k < kept.size(); ++k) columns.col(k) = whole.col(kept[k]);
       regressor_.push_back(std::move(columns));
     }
     for (std::size_t e = 0; e < known_.size(); ++e) noise_[e] = std::max(Rms(known_[e]), 1e-300);
@@ -166,8 +165,7 @@ LinearFit FitLinearForm(const LinearForm& form, const Machine& machine, std::spa
     return fit;
   }
   fit.base = FindBaseParameters(Stacked(windows));
-  for (const int column : fit.base.kept)
-    fit.parameters.push_back(form.parameters[static_cast<std::size_t>(column)]);
+  for (const int column : fit.base.kept) fit.parameters.push_back(form.parameters[column]);
   LinearFitter record(windows, fit.base.kept);
   record.FindNoise(options.rounds);
   fit.noise = record.noise();
@@ -189,8 +187,7 @@ std::string BaseParameterText(const LinearForm& form, const BaseParameterSet& ba
   for (Eigen::Index j = 0; j < base.combination.cols(); ++j) {
     const double share = base.combination(static_cast<Eigen::Index>(kept), j);
     if (j == own || share == 0) continue;
-    text += fmt::format(" {} {:.4g} {}", share < 0 ? "-" : "+", std::abs(share),
-                        form.parameters[static_cast<std::size_t>(j)]);
+    text += fmt::format(" {} {:.4g} {}", share < 0 ? "-" : "+", std::abs(share), form.parameters[j]);
   }
   return text;
 }

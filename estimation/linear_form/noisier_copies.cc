@@ -16,7 +16,7 @@ Eigen::VectorXd WhiteNoiseOfSignals(std::span<const Episode> episodes) {
     for (const Episode& e : episodes)
       for (int row = 0; row + 6 < e.rows(); ++row) {
         double difference = 0;
-        for (int k = 0; k < 7; ++k) difference += kSixth[static_cast<std::size_t>(k)] * e.signal(row + k, s);
+        for (int k = 0; k < 7; ++k) difference += kSixth[k] * e.signal(row + k, s);
         if (!std::isfinite(difference)) continue;
         energy += difference * difference;
         count += 1;

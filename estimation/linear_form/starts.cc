@@ -8,7 +8,7 @@ namespace {
 /// Value of a machine's parameter; nothing if the form has it neither itself nor as its reciprocal.
 std::optional<double> ValueIn(const LinearFit& fit, const std::string& name) {
   for (std::size_t k = 0; k < fit.parameters.size(); ++k) {
-    const double value = fit.value[static_cast<Eigen::Index>(k)];
+    const double value = fit.value[k];
     if (fit.parameters[k] == name) return value;
     if (fit.parameters[k] == "1/" + name && value != 0) return 1 / value;
   }

@@ -59,13 +59,13 @@ LinearForm Plannable(const LinearForm& form, const Machine& machine, const std::
     const auto tree = ParseExpression(text);
     if (text.empty() || !tree) return true;
     const std::set<std::string> names = NamesIn(**tree);
-    return std::all_of(names.begin(), names.end(), [&](const std::string& n) { return known.contains(n); });
+    return std::ranges::all_of(names, [&](const std::string& n) { return known.contains(n); });
   };
   LinearForm out{form.rates, {}, {}};
   std::set<std::string> parameters;
   for (LinearForm::Equation equation : form.equations) {
-    if (!std::all_of(equation.terms.begin(), equation.terms.end(),
-                     [&](const auto& term) { return readable(term.rate) && readable(term.level); }))
+    if (!std::ranges::all_of(equation.terms,
+                             [&](const auto& term) { return readable(term.rate) && readable(term.level); }))
       continue;
     equation.known_rate = "";
     equation.known_level = "0*" + form.rates.front().second;

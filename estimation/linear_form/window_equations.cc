@@ -30,14 +30,13 @@ std::vector<double> RateOf(const std::vector<double>& values, int half, double p
   const int n = static_cast<int>(values.size());
   const auto difference = [&](int k, int reach) {
     const int a = std::max(0, k - reach), b = std::min(n - 1, k + reach);
-    return (values[static_cast<std::size_t>(b)] - values[static_cast<std::size_t>(a)]) / (period * (b - a));
+    return (values[b] - values[a]) / (period * (b - a));
   };
   std::vector<double> rate(values.size());
   for (int k = 0; k < n; ++k) {
     const bool inside = k >= 3 * half && k + 3 * half < n;
-    rate[static_cast<std::size_t>(k)] =
-        inside ? (15 * difference(k, half) - 6 * difference(k, 2 * half) + difference(k, 3 * half)) / 10
-               : difference(k, half);
+    rate[k] = inside ? (15 * difference(k, half) - 6 * difference(k, 2 * half) + difference(k, 3 * half)) / 10
+                     : difference(k, half);
   }
   return rate;
 }
@@ -79,13 +78,13 @@ class RecordWindows {
     box_ = std::max(2, static_cast<int>(std::lround(options.box / period_)));
     const int half = std::max(1, static_cast<int>(std::lround(options.rate_half_width / period_)));
     for (std::size_t s = 0; s < machine.signals.size(); ++s) {
-      const auto column = episode.signal.col(static_cast<Eigen::Index>(s));
+      const auto column = episode.signal.col(s);
       channel_of_[machine.signals[s].name] = static_cast<int>(channels_.size());
       channels_.emplace_back(column.begin(), column.end());
     }
     for (const auto& [signal, name] : form.rates) {
       channel_of_[name] = static_cast<int>(channels_.size());
-      channels_.push_back(RateOf(channels_[static_cast<std::size_t>(channel_of_[signal])], half, period_));
+      channels_.push_back(RateOf(channels_[channel_of_[signal]], half, period_));
     }
   }
   bool enough() const { return rows_ > 5 * static_cast<std::size_t>(box_); }
@@ -130,16 +129,15 @@ WindowEquations WindowsOf(const LinearForm& form, const Machine& machine, std::s
       columns[e] = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(parameters) + 1);
       columns[e].rightCols(1) = Eigen::Map<const Eigen::VectorXd>(known.data(), count);
       for (const LinearForm::Term& term : equation.terms) {
-        const auto p = std::find(form.parameters.begin(), form.parameters.end(), term.parameter) -
-                       form.parameters.begin();
+        const auto p = std::ranges::find(form.parameters, term.parameter) - form.parameters.begin();
         const std::vector<double> column = record.Column(term.rate, term.level);
         columns[e].col(p) += Eigen::Map<const Eigen::VectorXd>(column.data(), count);
       }
     }
     const Eigen::Index count = columns.front().rows();
     for (Eigen::Index k = 0; k < count; k += record.box()) {
-      const bool whole = std::all_of(columns.begin(), columns.end(),
-                                     [k](const Eigen::MatrixXd& c) { return c.row(k).allFinite(); });
+      const bool whole =
+          std::ranges::all_of(columns, [k](const Eigen::MatrixXd& c) { return c.row(k).allFinite(); });
       if (!whole) continue;
       for (std::size_t e = 0; e < equations; ++e) rows[e].push_back(columns[e].row(k).transpose());
       out.time.push_back(
@@ -151,8 +149,8 @@ WindowEquations WindowsOf(const LinearForm& form, const Machine& machine, std::s
     Eigen::MatrixXd regressor(count, static_cast<Eigen::Index>(parameters));
     Eigen::VectorXd known(count);
     for (Eigen::Index k = 0; k < count; ++k) {
-      regressor.row(k) = of_equation[static_cast<std::size_t>(k)].head(regressor.cols());
-      known[k] = of_equation[static_cast<std::size_t>(k)][regressor.cols()];
+      regressor.row(k) = of_equation[k].head(regressor.cols());
+      known[k] = of_equation[k][regressor.cols()];
     }
     out.regressor.push_back(std::move(regressor));
     out.known.push_back(std::move(known));

@@ -180,7 +180,7 @@ std::vector<EpisodeFollower::Scatter> EpisodeFollower::Scatters() const {
   for (int p = 0; p < count(); ++p) {
     const Eigen::VectorXd d = inverse.col(p);
     const double white = d.dot(information_ * d), expected = d.dot(expected_ * d);
-    Scatter& s = out[static_cast<std::size_t>(p)];
+    Scatter& s = out[p];
     if (white > 0) s.pieces = std::max(1.0, d.dot(of_pieces_ * d) / white);
     const double episodes = expected > 0 ? d.dot(of_episodes_ * d) / expected : s.pieces;
     s.episodes =
@@ -220,7 +220,7 @@ std::vector<Estimate> EpisodeFollower::Estimates(const EpisodeEvidence& e, const
     Estimate estimate;
     estimate.parameter = followed.name;
     estimate.value = inside[p];
-    const Scatter& scatter = scatters[static_cast<std::size_t>(p)];
+    const Scatter& scatter = scatters[p];
     const double lag = excited ? LagVariance(behind[p], own(p, p) * scatter.pieces) : 0.0;
     estimate.std = size_[p] * std::sqrt(std::max(0.0, covariance(p, p)) * scatter.Widening() + lag);
     estimate.unit = followed.unit;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/bytes.h"
@@ -84,9 +83,7 @@ class EpisodeFollower {
 
  private:
   int count() const { return static_cast<int>(model_->parameters().size()); }
-  const FollowedParameter& parameter(int p) const {
-    return model_->parameters()[static_cast<std::size_t>(p)];
-  }
+  const FollowedParameter& parameter(int p) const { return model_->parameters()[p]; }
   bool Begin(const ReadEpisode& episode);
   std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at) const;
   Eigen::VectorXd Best(const EpisodeEvidence& evidence) const;

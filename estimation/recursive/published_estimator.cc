@@ -72,8 +72,7 @@ void PublishedEstimator::Learn() {
 Eigen::VectorXd PublishedEstimator::Units() const {
   const PublishedForm& form = *model_->published;
   Eigen::VectorXd unit(static_cast<Eigen::Index>(form.regressor_scale.size()));
-  for (Eigen::Index i = 0; i < unit.size(); ++i)
-    unit[i] = form.output_scale / form.regressor_scale[static_cast<std::size_t>(i)];
+  for (Eigen::Index i = 0; i < unit.size(); ++i) unit[i] = form.output_scale / form.regressor_scale[i];
   return unit;
 }
 

@@ -30,7 +30,7 @@ std::string RecursiveLeastSquares::Options::Validate(int parameters) const {
 
 RecursiveLeastSquares::RecursiveLeastSquares(std::span<const double> initial, const Options& options)
     : options_(options), n_(static_cast<int>(initial.size())), update_(Dispatch(n_)) {
-  std::copy(initial.begin(), initial.end(), theta_.begin());
+  std::ranges::copy(initial, theta_.begin());
   for (int i = 0; i < n_; ++i) {
     d_[i] = options.initial_covariance;
     u_[i * n_ + i] = 1.0;

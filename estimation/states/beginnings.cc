@@ -52,9 +52,7 @@ class BeginningSearch {
   };
 
   static std::size_t EpisodeOf(const Segment& segment) { return static_cast<std::size_t>(segment.episode); }
-  std::size_t State(Eigen::Index k) const {
-    return static_cast<std::size_t>(free_[static_cast<std::size_t>(k)]);
-  }
+  std::size_t State(Eigen::Index k) const { return static_cast<std::size_t>(free_[k]); }
   double Readings(int rows) const { return 0.5 * rows * task_.model->output.rows; }
 
   void Minimise(const Segment& segment, const std::vector<double>& guess, const Eigen::VectorXd& prior,
@@ -65,8 +63,7 @@ class BeginningSearch {
       Eigen::MatrixXd damped = here.hessian;
       damped.diagonal() *= 1 + damping;
       Eigen::VectorXd next = at - SymmetricFactor(damped).Solve(here.gradient);
-      for (Eigen::Index k = 0; k < next.size(); ++k)
-        next[k] = Within(next[k], free_[static_cast<std::size_t>(k)]);
+      for (Eigen::Index k = 0; k < next.size(); ++k) next[k] = Within(next[k], free_[k]);
       Sums there = Evaluate(segment, guess, next, prior, rows);
       if (!(there.cost < here.cost)) {
         damping *= kMoreDamping;
@@ -91,14 +88,12 @@ class BeginningSearch {
     const Eigen::Index states = model.states(), outputs = model.output.rows, free = at.size(),
                        parameters = static_cast<Eigen::Index>(task_.scale.size());
     Eigen::VectorXd x0(states);
-    for (Eigen::Index i = 0; i < states; ++i)
-      x0[i] = guess[static_cast<std::size_t>(i)] * task_.state_scale[i];
-    for (Eigen::Index k = 0; k < free; ++k)
-      x0[free_[static_cast<std::size_t>(k)]] = at[k] * task_.state_scale[free_[static_cast<std::size_t>(k)]];
+    for (Eigen::Index i = 0; i < states; ++i) x0[i] = guess[i] * task_.state_scale[i];
+    for (Eigen::Index k = 0; k < free; ++k) x0[free_[k]] = at[k] * task_.state_scale[free_[k]];
     if (segment.first == 0) x0 = simulator_.Initial(episode, x0);
     RowMatrix start = RowMatrix::Zero(states, parameters + free);
     for (Eigen::Index k = 0; k < free; ++k) {
-      const int state = free_[static_cast<std::size_t>(k)];
+      const int state = free_[k];
       start(state, parameters + k) = task_.state_scale[state];
     }
     if (task_.GivenUp()) return {};
@@ -108,8 +103,7 @@ class BeginningSearch {
     Sums sums{0.5 * (at - prior).squaredNorm(), Eigen::MatrixXd::Identity(free, free), at - prior};
     for (Eigen::Index row = 0; row < rows; ++row)
       for (Eigen::Index j = 0; j < outputs; ++j) {
-        const double error = run_.outputs(row, j) -
-                             episode.signal(segment.first + row, model.outputs[static_cast<std::size_t>(j)]);
+        const double error = run_.outputs(row, j) - episode.signal(segment.first + row, model.outputs[j]);
         if (!std::isfinite(error)) continue;
         const Eigen::VectorXd slope =
             run_.slopes.row(row * outputs + j).segment(parameters, free) / reading_[j];

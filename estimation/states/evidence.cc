@@ -73,10 +73,9 @@ class LeftOutPieces {
       const SymmetricEigen of_piece =
           EigenOf(to_parameters.transpose() * pieces[k].information * to_parameters);
       const Eigen::VectorXd rest = (1 - of_piece.values.array()).max(kLeastRest);
-      changes_.col(static_cast<Eigen::Index>(k)) =
-          root * of_piece.vectors *
-          (of_piece.vectors.transpose() * (to_parameters.transpose() * pieces[k].gradient))
-              .cwiseQuotient(rest);
+      changes_.col(k) = root * of_piece.vectors *
+                        (of_piece.vectors.transpose() * (to_parameters.transpose() * pieces[k].gradient))
+                            .cwiseQuotient(rest);
     }
   }
 
@@ -123,7 +122,7 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
   Eigen::VectorXd size(count);
   for (int g = parameters; g < count; ++g) size[g] = task.scale.Slope(static_cast<std::size_t>(g), 0);
   for (int p = 0; p < parameters; ++p) {
-    const ParameterSpec& spec = task.model->parameters[static_cast<std::size_t>(p)].spec;
+    const ParameterSpec& spec = task.model->parameters[p].spec;
     const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
     size[p] = std::max(std::abs(fit.parameters[p]), 1e-3 * range);
     if (size[p] == 0) size[p] = 1;
@@ -139,7 +138,7 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
     if (largest < kPart) continue;  // of gains
     for (int p = 0; p < parameters; ++p)
       if (const double part = left_out.directions()(p, d); std::abs(part) > kPart * largest)
-        unseen.parts.emplace_back(task.model->parameters[static_cast<std::size_t>(p)].name, part / largest);
+        unseen.parts.emplace_back(task.model->parameters[p].name, part / largest);
     fit.unseen.push_back(std::move(unseen));
   }
 }

@@ -89,7 +89,7 @@ bool StateSimulator::ExplicitStepOf(double fraction, double share, double period
 /// states in which each pair weighs the same.
 double StateSimulator::Fastest() {
   const auto n = static_cast<std::size_t>(states_);
-  std::fill(jacobian_.begin(), jacobian_.end(), 0.0);
+  std::ranges::fill(jacobian_, 0.0);
   for (const auto& [row, column, place] : point_entries_.by_states)
     jacobian_[static_cast<std::size_t>(row) * n + static_cast<std::size_t>(column)] = point_registers_[place];
   const auto own = [&](std::size_t i) -> double& { return jacobian_[i * n + i]; };

@@ -62,9 +62,9 @@ shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(all.episodes);
   shooting::GuessSegments(all, whole, point);
   shooting::SeekBeginnings(all, whole, options.segment_rows, point);
-  std::copy(few.z.begin(), few.z.end(), point.z.begin());
-  const bool longer = std::any_of(all.episodes.begin(), all.episodes.end(),
-                                  [&](const Episode& e) { return e.rows() > options.start_rows; });
+  std::ranges::copy(few.z, point.z.begin());
+  const bool longer =
+      std::ranges::any_of(all.episodes, [&](const Episode& e) { return e.rows() > options.start_rows; });
   if (!longer || all.scale.size() == 0) return point;
   shooting::Point grown = GrowFrom(all, point, options.start_rows, options);
   return grown.valid ? grown : point;
@@ -87,8 +87,7 @@ bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit)
     const Episode& episode = task.episodes[e];
     const std::vector<int> free = shooting::FreeStates(model, {static_cast<int>(e), 0, 0, false});
     Eigen::VectorXd given(model.states());
-    for (int i = 0; i < model.states(); ++i)
-      given[i] = point.z[e][static_cast<std::size_t>(i)] * task.state_scale[i];
+    for (int i = 0; i < model.states(); ++i) given[i] = point.z[e][i] * task.state_scale[i];
     RowMatrix start, by_parameter;
     const Eigen::VectorXd x0 = simulator.Initial(episode, given, &by_parameter);
     start = RowMatrix::Zero(model.states(), all.size() + static_cast<Eigen::Index>(free.size()));
@@ -100,7 +99,7 @@ bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit)
     if (run.diverged) return false;
     RowMatrix residual(episode.rows(), model.output.rows);
     for (int j = 0; j < model.output.rows; ++j)
-      residual.col(j) = episode.signal.col(model.outputs[static_cast<std::size_t>(j)]) - run.outputs.col(j);
+      residual.col(j) = episode.signal.col(model.outputs[j]) - run.outputs.col(j);
     fit.initial.push_back(x0);
     fit.residuals.push_back(std::move(residual));
     fit.runs.push_back(std::move(run));
@@ -189,7 +188,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
       ++diverged;
       continue;
     }
-    const auto same = std::find_if(minima.begin(), minima.end(), [&](const StateMinimum& m) {
+    const auto same = std::ranges::find_if(minima, [&](const StateMinimum& m) {
       return std::abs(m.cost - point.cost) <= options.same_minimum * std::min(m.cost, point.cost);
     });
     const bool again = same != minima.end();
@@ -209,7 +208,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
     none.failed = shooting::DivergedText(task, starts.front());
     return none;
   }
-  std::sort(minima.begin(), minima.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::ranges::sort(minima, [](const auto& a, const auto& b) { return a.cost < b.cost; });
   const double lowest = std::max(minima.front().cost, 1e-300);
   for (StateMinimum& m : minima) m.cost = std::sqrt(m.cost / lowest);
   StateFit fit = Finish(std::move(task), std::move(best), false, false, options);
@@ -229,7 +228,7 @@ struct MinimaSearch {
   int tried = 0, diverged = 0;
 
   void Add(shooting::Point point, double same_minimum) {
-    const auto same = std::find_if(minima.begin(), minima.end(), [&](const Minimum& m) {
+    const auto same = std::ranges::find_if(minima, [&](const Minimum& m) {
       return std::abs(m.point.cost - point.cost) <= same_minimum * std::min(m.point.cost, point.cost) + 1e-12;
     });
     if (same == minima.end()) {
@@ -265,8 +264,7 @@ MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>&
     search.Add(std::move(point), options.same_minimum);
     if (white) break;
   }
-  std::sort(search.minima.begin(), search.minima.end(),
-            [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
+  std::ranges::sort(search.minima, [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
   return search;
 }
 
@@ -369,7 +367,7 @@ StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episod
     for (int j = 0; j < model.output.rows; ++j) {
       const double size = task.state_scale[i] / free_run.scale[j];
       task.scale.AddFree(size);
-      point.q.push_back(model.measured_by[static_cast<std::size_t>(i)] == j ? kFirstGain / size : 0.0);
+      point.q.push_back(model.measured_by[i] == j ? kFirstGain / size : 0.0);
     }
   return Finish(std::move(task), std::move(point), false, false, options);
 }
@@ -409,8 +407,7 @@ std::vector<double> BeginningOf(const shooting::Task& of_all, const Episode& epi
     if (row >= run.rows) break;
     shooting::Point later = guess;
     for (const int i : shooting::FreeStates(*task.model, whole))
-      if (task.model->measured_by[static_cast<std::size_t>(i)] < 0)
-        later.z.front()[static_cast<std::size_t>(i)] = run.states(row, i) / task.state_scale[i];
+      if (task.model->measured_by[i] < 0) later.z.front()[i] = run.states(row, i) / task.state_scale[i];
     later = followed(std::move(later));
     if (later.valid && (!best.valid || later.cost < best.cost)) best = std::move(later);
   }

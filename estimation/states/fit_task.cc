@@ -1,7 +1,5 @@
 #include "estimation/states/fit_task.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -11,7 +9,7 @@ namespace hydroscope::shooting {
 Point PointAt(const Task& task, const Eigen::VectorXd& parameters) {
   Point point;
   for (std::size_t p = 0; p < task.scale.size(); ++p)
-    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
+    point.q.push_back(task.scale.ToScaled(p, parameters[p]));
   return point;
 }
 
@@ -33,7 +31,7 @@ Eigen::VectorXd OutputScale(const StateModel& model, std::span<const Episode> ep
     double count = 0, sum = 0, squares = 0;
     for (const Episode& e : episodes)
       for (int row = 0; row < e.rows(); ++row) {
-        const double y = e.signal(row, model.outputs[static_cast<std::size_t>(j)]);
+        const double y = e.signal(row, model.outputs[j]);
         if (!std::isfinite(y)) continue;
         const double step = y - sum / std::max(count, 1.0);
         count += 1;
@@ -56,12 +54,12 @@ Eigen::VectorXd StateScale(const Task& task, const Eigen::VectorXd& theta) {
   Trial(task, theta, task.episodes.front(), run);
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(states);
   for (int i = 0; i < states; ++i) {
-    const int output = task.model->measured_by[static_cast<std::size_t>(i)];
+    const int output = task.model->measured_by[i];
     double largest = 0;
     if (output >= 0) {
       for (const Episode& e : task.episodes)
         for (int row = 0; row < e.rows(); ++row) {
-          const double y = e.signal(row, task.model->outputs[static_cast<std::size_t>(output)]);
+          const double y = e.signal(row, task.model->outputs[output]);
           if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
         }
     } else if (!run.diverged) {
@@ -82,7 +80,7 @@ Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> ep
   Task task{model, episodes, ParameterScale(*model), {}, {}, 0, false, nullptr};
   task.noise = kFirstNoise * OutputScale(*model, episodes);
   Eigen::VectorXd start(model->parameter_count());
-  for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[static_cast<std::size_t>(p)].spec.start;
+  for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[p].spec.start;
   task.state_scale = StateScale(task, start);
   return task;
 }
@@ -90,8 +88,7 @@ Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> ep
 std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& options, bool near) {
   const auto count = static_cast<Eigen::Index>(task.scale.size());
   Eigen::VectorXd first(count);
-  for (Eigen::Index p = 0; p < count; ++p)
-    first[p] = task.model->parameters[static_cast<std::size_t>(p)].spec.start;
+  for (Eigen::Index p = 0; p < count; ++p) first[p] = task.model->parameters[p].spec.start;
   std::vector<Eigen::VectorXd> starts = {first};
   std::mt19937 random(options.seed);
   std::uniform_real_distribution<double> uniform;
@@ -133,8 +130,7 @@ Told DivergedText(const Task& task, const Eigen::VectorXd& theta) {
         "das Modell läuft davon: von den Startwerten der Maschinendatei aus wächst {} ab {:.4g} s nach Beginn der "
         "Episode "
         "ohne Grenze; die Bereiche in [parameters] enger fassen, oder die Vorzeichen der Gleichungen prüfen",
-        task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
-        episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
+        task.model->machine.states.states[worst].name, episode.time[run.rows - 1] - episode.time.front());
   }
   return {
       "the model diverges from every start; narrow the ranges in [parameters] or check the signs of its equations",

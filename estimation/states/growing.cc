@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/contains.h"
 #include "estimation/decompositions.h"
 #include "estimation/states/white_noise.h"
 
@@ -28,8 +29,7 @@ class GrowingFit {
         simulator_(task.model),
         segments_(shooting::WholeEpisodes(task.episodes)),
         free_(shooting::FreeStates(*task.model, {0, 0, 0, false})) {
-    for (std::size_t p = 0; p < task.scale.size(); ++p)
-      point_.q.push_back(task.scale.ToScaled(p, start[static_cast<Eigen::Index>(p)]));
+    for (std::size_t p = 0; p < task.scale.size(); ++p) point_.q.push_back(task.scale.ToScaled(p, start[p]));
     shooting::GuessSegments(task, segments_, point_);
   }
 
@@ -157,7 +157,7 @@ class GrowingFit {
     }
     int column = n;
     for (auto& z : next.z)
-      for (const int i : free_) z[static_cast<std::size_t>(i)] += step[column++];
+      for (const int i : free_) z[i] += step[column++];
     return next;
   }
 
@@ -168,28 +168,24 @@ class GrowingFit {
     HorizonSums sum{0, Eigen::MatrixXd::Zero(unknowns(), unknowns()), Eigen::VectorXd::Zero(unknowns())};
     task_.Set(shooting::Unscaled(task_, point.q), simulator_);
     Eigen::VectorXd factor(n + free);
-    for (int p = 0; p < n; ++p)
-      factor[p] = task_.scale.Slope(static_cast<std::size_t>(p), point.q[static_cast<std::size_t>(p)]);
+    for (int p = 0; p < n; ++p) factor[p] = task_.scale.Slope(static_cast<std::size_t>(p), point.q[p]);
     factor.tail(free).setOnes();
     for (std::size_t e = 0; e < task_.episodes.size(); ++e) {
       const Episode& episode = task_.episodes[e];
       Eigen::VectorXd given(states);
-      for (int i = 0; i < states; ++i)
-        given[i] = point.z[e][static_cast<std::size_t>(i)] * task_.state_scale[i];
+      for (int i = 0; i < states; ++i) given[i] = point.z[e][i] * task_.state_scale[i];
       RowMatrix by_parameter;
       const Eigen::VectorXd x0 = simulator_.Initial(episode, given, &by_parameter);
       RowMatrix start = RowMatrix::Zero(states, n + free);
       start.leftCols(by_parameter.cols()) = by_parameter;
-      for (int k = 0; k < free; ++k)
-        start(free_[static_cast<std::size_t>(k)], n + k) =
-            task_.state_scale[free_[static_cast<std::size_t>(k)]];
+      for (int k = 0; k < free; ++k) start(free_[k], n + k) = task_.state_scale[free_[k]];
       const int last = std::min(rows, episode.rows()) - 1;
       simulator_.Run(episode, 0, last, x0, &start, run_);
       if (run_.diverged) return {};
       error_.resize((last + 1) * outputs);
       for (int row = 0; row <= last; ++row)
         for (int j = 0; j < outputs; ++j) {
-          const double measured = episode.signal(row, model.outputs[static_cast<std::size_t>(j)]);
+          const double measured = episode.signal(row, model.outputs[j]);
           const bool good = std::isfinite(run_.outputs(row, j) - measured);
           const int at = row * outputs + j;
           error_[at] = good ? (run_.outputs(row, j) - measured) / task_.noise[j] : 0.0;
@@ -224,12 +220,12 @@ class GrowingFit {
 }  // namespace
 
 bool SeesMuch(const StateModel& model) {
-  const bool sought = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
+  const bool sought = Contains(model.near, true);
   return model.output.rows >= kOutputsThatGrow && !sought;
 }
 
 bool GrowsHorizon(const StateModel& model) {
-  const bool sought = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
+  const bool sought = Contains(model.near, true);
   return (model.output.rows >= kOutputsThatGrow || sought) && model.parameter_count() > 0;
 }
 
@@ -238,8 +234,7 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
   Eigen::VectorXd noise = largest;
   for (int j = 0; j < noise.size(); ++j) {
     WhiteNoiseVariance white;
-    for (const Episode& e : episodes)
-      white.Add(e.signal.col(model.outputs[static_cast<std::size_t>(j)]), e.mean_rows);
+    for (const Episode& e : episodes) white.Add(e.signal.col(model.outputs[j]), e.mean_rows);
     if (white.Value() > 0) noise[j] = std::min(noise[j], std::sqrt(white.Value()));
   }
   return noise;

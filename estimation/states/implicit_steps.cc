@@ -97,24 +97,23 @@ bool StateSimulator::SolveStage(double fraction, double step, const double* base
   const auto& entries = model_->dynamics.entries;
   const ExpressionProgram& program = model_->dynamics.slopes;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    for (int i = 0; i < states_; ++i) x[static_cast<std::size_t>(i)] = base[i] + kGamma * step * k[i];
+    for (int i = 0; i < states_; ++i) x[i] = base[i] + kGamma * step * k[i];
     RateAndSlopes(x.data(), fraction, rate.data());
     Square matrix = Square::Identity(states_, states_);
     for (std::size_t e = 0; e < entries.size(); ++e) {
       const auto [row, column] = entries[e];
-      if (column >= states_ || held_[static_cast<std::size_t>(row)]) continue;
+      if (column >= states_ || held_[row]) continue;
       matrix(row, column) -=
           kGamma * step * slopes_registers_[program.output(static_cast<std::size_t>(states_) + e)];
     }
     Column residual(states_);
-    for (int i = 0; i < states_; ++i) residual[i] = rate[static_cast<std::size_t>(i)] - k[i];
+    for (int i = 0; i < states_; ++i) residual[i] = rate[i] - k[i];
     if (!residual.allFinite() || !matrix.allFinite()) return false;
     const Column change = matrix.partialPivLu().solve(residual);
     double worst = 0;
     for (int i = 0; i < states_; ++i) {
       k[i] += change[i];
-      const double size =
-          std::max(scale_[static_cast<std::size_t>(i)], std::abs(x[static_cast<std::size_t>(i)]));
+      const double size = std::max(scale_[i], std::abs(x[i]));
       worst = std::max(worst, std::abs(step * change[i]) / std::max(size, 1e-300));
     }
     if (worst < 1e-3 * options_.tolerance) return true;
@@ -142,7 +141,7 @@ bool StateSimulator::ImplicitStep(double fraction, double share, double period, 
     Square matrix = Square::Identity(states_, states_);
     for (std::size_t e = 0; e < model_->dynamics.entries.size(); ++e) {
       const auto [row, column] = model_->dynamics.entries[e];
-      if (column >= states_ || held_[static_cast<std::size_t>(row)]) continue;
+      if (column >= states_ || held_[row]) continue;
       matrix(row, column) -=
           kGamma * step *
           slopes_registers_[model_->dynamics.slopes.output(static_cast<std::size_t>(states_) + e)];

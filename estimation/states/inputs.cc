@@ -46,11 +46,11 @@ void StateSimulator::Breaks(const Episode& episode, int row) {
   const double begin = episode.time[at], period = episode.time[at + 1] - begin;
   for (const DelayedInput& delay : model_->delays) {
     const double seconds = delay.parameter < 0 ? delay.seconds : theta_[delay.parameter];
-    for (auto t = std::upper_bound(episode.time.begin(), episode.time.end(), begin - seconds);
+    for (auto t = std::ranges::upper_bound(episode.time, begin - seconds);
          t != episode.time.end() && *t + seconds < begin + period; ++t)
       breaks_.push_back((*t + seconds - begin) / period);
   }
-  std::sort(breaks_.begin(), breaks_.end());
+  std::ranges::sort(breaks_);
   breaks_.erase(
       std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < kApart; }),
       breaks_.end());
@@ -71,10 +71,10 @@ void StateSimulator::TakeDelayed(const Episode& episode, int row, double from, d
     // The row that holds in the middle of the part holds over all of it.
     const double begin = episode.time[at] + from * period - seconds,
                  end = episode.time[at] + to * period - seconds;
-    const auto later = std::upper_bound(episode.time.begin(), episode.time.end(), 0.5 * (begin + end));
+    const auto later = std::ranges::upper_bound(episode.time, 0.5 * (begin + end));
     const bool early = later == episode.time.begin();
     const std::size_t k = early ? 0 : static_cast<std::size_t>(later - episode.time.begin()) - 1;
-    const int signal = model_->inputs[static_cast<std::size_t>(delay.input)];
+    const int signal = model_->inputs[delay.input];
     RowCourse course{episode.signal(0, signal), episode.signal(0, signal)}, rate;
     if (!early && k + 1 < episode.time.size()) {
       const double since = episode.time[k], apart = episode.time[k + 1] - since;
@@ -92,9 +92,7 @@ void StateSimulator::TakeDelayed(const Episode& episode, int row, double from, d
     Take({seconds, seconds}, place + 2);
     if (!jump) continue;
     Rate(x_.data(), 0, after.data());
-    for (int i = 0; i < states_; ++i)
-      s_[static_cast<std::size_t>(i * columns_ + delay.parameter)] +=
-          before[static_cast<std::size_t>(i)] - after[static_cast<std::size_t>(i)];
+    for (int i = 0; i < states_; ++i) s_[i * columns_ + delay.parameter] += before[i] - after[i];
   }
 }
 

@@ -1,7 +1,6 @@
 #include "estimation/states/row_course.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace hydroscope {

@@ -8,7 +8,7 @@ namespace hydroscope::shooting {
 std::vector<int> FreeStates(const StateModel& model, const Segment& segment) {
   std::vector<int> free;
   for (int i = 0; i < model.states(); ++i)
-    if (segment.first > 0 || model.estimated[static_cast<std::size_t>(i)]) free.push_back(i);
+    if (segment.first > 0 || model.estimated[i]) free.push_back(i);
   return free;
 }
 
@@ -40,7 +40,7 @@ class SegmentCost : public ceres::CostFunction {
     const double* z = free_.empty() ? nullptr : blocks[block++];
     Eigen::VectorXd given = Eigen::VectorXd::Zero(states);
     for (std::size_t k = 0; k < free_.size(); ++k) given[free_[k]] = z[k] * task_.state_scale[free_[k]];
-    const Episode& episode = task_.episodes[static_cast<std::size_t>(segment_.episode)];
+    const Episode& episode = task_.episodes[segment_.episode];
     RowMatrix by_parameter = RowMatrix::Zero(states, model.parameter_count());
     const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
     const bool want = jacobians != nullptr;
@@ -66,8 +66,7 @@ class SegmentCost : public ceres::CostFunction {
   void Fill(const Episode& episode, double* residuals) const {
     for (int row = 0; row < rows_; ++row)
       for (int j = 0; j < outputs_; ++j) {
-        const double measured =
-            episode.signal(segment_.first + row, task_.model->outputs[static_cast<std::size_t>(j)]);
+        const double measured = episode.signal(segment_.first + row, task_.model->outputs[j]);
         const double error = run_.outputs(row, j) - measured;
         residuals[row * outputs_ + j] = std::isfinite(error) ? error / task_.noise[j] : 0.0;
       }
@@ -83,9 +82,7 @@ class SegmentCost : public ceres::CostFunction {
       for (int row = 0; row < rows_; ++row)
         for (int j = 0; j < outputs_; ++j) {
           const int r = row * outputs_ + j;
-          if (!std::isfinite(
-                  run_.outputs(row, j) -
-                  episode.signal(segment_.first + row, model.outputs[static_cast<std::size_t>(j)])))
+          if (!std::isfinite(run_.outputs(row, j) - episode.signal(segment_.first + row, model.outputs[j])))
             continue;
           for (int c = 0; c < count; ++c) to(r, c) = run_.slopes(r, from + c) * factor(c) / task_.noise[j];
         }
@@ -129,9 +126,8 @@ Eigen::VectorXd GuessedStates(const Task& task, const Episode& episode, int row,
   const Eigen::VectorXd near = row == 0 ? simulator.Near(episode) : Eigen::VectorXd::Constant(states, NAN);
   Eigen::VectorXd x(states);
   for (int i = 0; i < states; ++i) {
-    const int output = task.model->measured_by[static_cast<std::size_t>(i)];
-    const double measured =
-        output < 0 ? NAN : episode.Reading(row, task.model->outputs[static_cast<std::size_t>(output)]);
+    const int output = task.model->measured_by[i];
+    const double measured = output < 0 ? NAN : episode.Reading(row, task.model->outputs[output]);
     const double low = limits[i], high = limits[states + i];
     if (std::isfinite(near[i]))
       x[i] = near[i];
@@ -178,8 +174,7 @@ std::vector<double> Scaled(const Eigen::VectorXd& x, const Eigen::VectorXd& scal
 
 Eigen::VectorXd Unscaled(const Task& task, const std::vector<double>& q) {
   Eigen::VectorXd theta(static_cast<Eigen::Index>(q.size()));
-  for (std::size_t p = 0; p < q.size(); ++p)
-    theta[static_cast<Eigen::Index>(p)] = task.scale.FromScaled(p, q[p]);
+  for (std::size_t p = 0; p < q.size(); ++p) theta[p] = task.scale.FromScaled(p, q[p]);
   return theta;
 }
 
@@ -198,7 +193,7 @@ void GuessSegments(const Task& task, const std::vector<Segment>& segments, Point
   int tried = -1;
   point.z.clear();
   for (const Segment& segment : segments) {
-    const Episode& episode = task.episodes[static_cast<std::size_t>(segment.episode)];
+    const Episode& episode = task.episodes[segment.episode];
     if (segment.episode != tried) Trial(task, theta, episode, run);
     tried = segment.episode;
     point.z.push_back(Scaled(GuessedStates(task, episode, segment.first, &run, simulator), task.state_scale));
@@ -215,8 +210,7 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
   const auto parameters = static_cast<int>(point.q.size());
   std::vector<std::vector<double>> free(segments.size());
   for (std::size_t s = 0; s < segments.size(); ++s)
-    for (const int i : FreeStates(*task.model, segments[s]))
-      free[s].push_back(point.z[s][static_cast<std::size_t>(i)]);
+    for (const int i : FreeStates(*task.model, segments[s])) free[s].push_back(point.z[s][i]);
   for (std::size_t s = 0; s < segments.size(); ++s) {
     std::vector<double*> blocks;
     if (parameters > 0) blocks.push_back(point.q.data());
@@ -267,8 +261,7 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
   point.cost = summary.final_cost;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const std::vector<int> which = FreeStates(*task.model, segments[s]);
-    for (std::size_t k = 0; k < which.size(); ++k)
-      point.z[s][static_cast<std::size_t>(which[k])] = free[s][k];
+    for (std::size_t k = 0; k < which.size(); ++k) point.z[s][which[k]] = free[s][k];
   }
   return point.valid;
 }

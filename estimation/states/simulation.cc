@@ -54,7 +54,7 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
   theta_ = parameters;
   const auto first = static_cast<std::ptrdiff_t>(states_ + inputs_);
   const auto fix = [&](const ExpressionProgram& program, std::vector<double>& registers) {
-    std::copy(theta_.begin(), theta_.end(), registers.begin() + first);
+    std::ranges::copy(theta_, registers.begin() + first);
     program.RunFixed(registers.data());
   };
   fix(model_->dynamics.values, values_registers_);
@@ -68,15 +68,15 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
 
   const ExpressionProgram& program = model_->limits.slopes;
   std::vector<double> registers = program.Registers();
-  std::copy(theta_.begin(), theta_.end(), registers.begin());
+  std::ranges::copy(theta_, registers.begin());
   program.RunFixed(registers.data());
   program.Run(registers.data());
   limits_.resize(2 * states_);
   limit_slopes_ = RowMatrix::Zero(2 * states_, parameters_);
   for (int r = 0; r < 2 * states_; ++r) limits_[r] = registers[program.output(static_cast<std::size_t>(r))];
   limited_ = limits_.array().isFinite().any();
-  std::fill(held_.begin(), held_.end(), 0);
-  std::fill(stage_held_.begin(), stage_held_.end(), 0);
+  std::ranges::fill(held_, 0);
+  std::ranges::fill(stage_held_, 0);
   for (std::size_t e = 0; e < model_->limits.entries.size(); ++e)
     limit_slopes_(model_->limits.entries[e].row, model_->limits.entries[e].column) =
         registers[program.output(static_cast<std::size_t>(2 * states_) + e)];
@@ -86,9 +86,8 @@ std::vector<double> StateSimulator::InitialRegisters(const Episode& episode) con
   const ExpressionProgram& program = model_->initial.slopes;
   std::vector<double> registers = program.Registers();
   const Eigen::Index signals = episode.signal.cols();
-  for (Eigen::Index s = 0; s < signals; ++s)
-    registers[static_cast<std::size_t>(s)] = episode.Reading(0, static_cast<int>(s));
-  std::copy(theta_.begin(), theta_.end(), registers.begin() + signals);
+  for (Eigen::Index s = 0; s < signals; ++s) registers[s] = episode.Reading(0, static_cast<int>(s));
+  std::ranges::copy(theta_, registers.begin() + signals);
   program.RunFixed(registers.data());
   program.Run(registers.data());
   return registers;
@@ -119,7 +118,7 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
   *slopes = RowMatrix::Zero(states_, parameters_);
   for (std::size_t e = 0; e < model_->initial.entries.size(); ++e) {
     const auto [row, column] = model_->initial.entries[e];
-    if (!model_->estimated[static_cast<std::size_t>(row)])
+    if (!model_->estimated[row])
       (*slopes)(row, column) = registers[program.output(static_cast<std::size_t>(states_) + e)];
   }
   return x0;
@@ -164,10 +163,8 @@ bool StateSimulator::Clamp() {
       for (int p = 0; p < parameters_; ++p) row[p] = limit_slopes_(limit, p);
     }
     const int rate = model_->rate_of[at];
-    if (rate < 0 ||
-        (high ? x_[static_cast<std::size_t>(rate)] <= 0 : x_[static_cast<std::size_t>(rate)] >= 0))
-      continue;
-    x_[static_cast<std::size_t>(rate)] = 0;
+    if (rate < 0 || (high ? x_[rate] <= 0 : x_[rate] >= 0)) continue;
+    x_[rate] = 0;
     if (with_slopes_) std::fill_n(s_.data() + rate * columns_, columns_, 0.0);
   }
   return clamped;
@@ -237,7 +234,7 @@ void StateSimulator::Output(int row, StateRun& run) {
   program.Run(registers.data());
   for (int j = 0; j < output.rows; ++j)
     run.outputs(row, j) = registers[program.output(static_cast<std::size_t>(j))];
-  for (int i = 0; i < states_; ++i) run.states(row, i) = x_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < states_; ++i) run.states(row, i) = x_[i];
   if (!with_slopes_) return;
   for (int j = 0; j < output.rows; ++j) run.slopes.row(row * output.rows + j).setZero();
   for (std::size_t e = 0; e < output.entries.size(); ++e) {
@@ -253,7 +250,7 @@ void StateSimulator::Output(int row, StateRun& run) {
   if (added_ == nullptr || added_->to_outputs.empty()) return;
   added_->evaluate(x_.data(), u0_.data(), added_values_.data());
   for (const auto& [value, j, column] : added_->to_outputs)
-    run.slopes(row * output.rows + j, added_from_ + column) += added_values_[static_cast<std::size_t>(value)];
+    run.slopes(row * output.rows + j, added_from_ + column) += added_values_[value];
 }
 
 /// Puts the mean since the last reading in place of the output where there is a reading, by Simpson's rule. A mean that began
@@ -287,11 +284,10 @@ void StateSimulator::Correct(const Episode& episode, int row, const StateRun& ru
   begun_ = false;
   for (int j = 0; j < outputs; ++j) {
     const Eigen::Index at = run.rows - 1;
-    const double error =
-        episode.signal(row, model_->outputs[static_cast<std::size_t>(j)]) - run.outputs(at, j);
+    const double error = episode.signal(row, model_->outputs[j]) - run.outputs(at, j);
     if (!std::isfinite(error)) continue;
     for (int i = 0; i < states_; ++i) {
-      x_[static_cast<std::size_t>(i)] += gain_(i, j) * error;
+      x_[i] += gain_(i, j) * error;
       if (!with_slopes_) continue;
       double* slopes = s_.data() + i * columns_;
       for (int c = 0; c < wanted_; ++c) slopes[c] -= gain_(i, j) * run.slopes(at * outputs + j, c);
@@ -327,8 +323,8 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     stage_added_.assign(values * kStateStages, 0.0);
     run.slopes.resize(rows * outputs, wanted_ + (added_ == nullptr ? 0 : added_->columns - added_->moving));
   }
-  std::copy(x0.begin(), x0.end(), x_.begin());
-  for (int i = 0; i < states_; ++i) scale_[static_cast<std::size_t>(i)] = std::abs(x0[i]);
+  std::ranges::copy(x0, x_.begin());
+  for (int i = 0; i < states_; ++i) scale_[i] = std::abs(x0[i]);
   stiff_ = false;
   begun_ = false;
   next_share_ = 1;

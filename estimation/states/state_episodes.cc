@@ -36,7 +36,7 @@ class SimulatedEpisode : public ReadEpisode {
                                               : std::sqrt(fit.noise.cwiseQuotient(fit.scale).squaredNorm() /
                                                           static_cast<double>(fit.noise.size()));
     for (int p = 0; p < model_->parameter_count(); ++p) {
-      const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
+      const ParameterSpec& spec = model_->parameters[p].spec;
       const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
       if (const double size = std::max(std::abs(fit.parameters[p]), kShareOfRange * range); size > 0)
         first.size[p] = size;

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
-#include "page/http/json_number.h"
+#include "core/json_value.h"
 
 namespace hydroscope {
 namespace {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "alarms/alarm_action.h"
+#include "core/json_value.h"
 #include "core/units.h"
 #include "host/real_clock.h"
 #include "monitor/alarm_json.h"
-#include "page/http/json_number.h"
 #include "page/http/json_reply.h"
 #include "page/watch/alarm_request.h"
 #include "page/watch/trend_json.h"
@@ -63,18 +63,19 @@ AlarmAction ActionOf(const AlarmRequest& request, const AlarmUser& user, double 
   };
 }
 
-nlohmann::json ValveCheckJson(const ValveCheckRecord& c) {
-  const auto figure = [](double value, double std) {
-    return nlohmann::json{{"value", JsonNumber(value)}, {"std", JsonNumber(std)}};
+nlohmann::json ValveCheckJson(const ValveCheckRecord& record) {
+  const ValveCheck& c = record.check;
+  const auto figure = [](const ValueWithStd& f) {
+    return nlohmann::json{{"value", JsonNumber(f.value)}, {"std", JsonNumber(f.std)}};
   };
-  return {{"time_s", JsonNumber(c.begin)},
-          {"outcome", c.outcome},
-          {"detail", c.detail},
-          {"f0_hz", figure(c.f0, c.f0_std)},
-          {"damping", figure(c.damping, c.damping_std)},
-          {"gain", figure(c.gain, c.gain_std)},
-          {"dead_time_s", figure(c.dead_time, c.dead_time_std)},
-          {"bandwidth_hz", figure(c.bandwidth, c.bandwidth_std)},
+  return {{"time_s", JsonNumber(c.time)},
+          {"outcome", record.outcome},
+          {"detail", record.detail},
+          {"f0_hz", figure(c.natural_frequency)},
+          {"damping", figure(c.damping)},
+          {"gain", figure(c.gain)},
+          {"dead_time_s", figure(c.dead_time)},
+          {"bandwidth_hz", figure(c.bandwidth)},
           {"amplitude", JsonNumber(c.amplitude)},
           {"supply_pressure_Pa", JsonNumber(c.supply_pressure)},
           {"oil_temperature_K", JsonNumber(c.oil_temperature)}};

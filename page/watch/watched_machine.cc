@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/json_value.h"
 #include "core/relative_change.h"
 #include "core/time_text.h"
 #include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
-#include "page/http/json_number.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -134,7 +134,7 @@ Status WatchedMachine::ReadValveChecks() {
   const auto checks = sources_.database.ValveChecks(id_);
   if (!checks) return tl::unexpected(checks.error());
   for (const ValveCheckRecord& check : *checks) {
-    const auto stroke = sources_.database.SequenceNear(id_, check.begin);
+    const auto stroke = sources_.database.SequenceNear(id_, check.check.time);
     if (!stroke) return tl::unexpected(stroke.error());
     if (*stroke == 0) continue;  // before anything that is stored
     marks_.push_back({"valve_check", *stroke, check.outcome, check.detail});

@@ -11,12 +11,12 @@
 #include "alarms/feeds/modbus/tags.h"
 #include "alarms/feeds/sparkplug/tags.h"
 #include "core/effect_units.h"
+#include "core/json_value.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "host/real_clock.h"
 #include "models/counted_words.h"
 #include "monitor/alarm_json.h"
-#include "page/http/json_number.h"
 #include "page/http/json_reply.h"
 #include "storage/file_identity.h"
 

@@ -2,9 +2,9 @@
 
 #include <numeric>
 
+#include "core/json_value.h"
 #include "models/expressions/check.h"
 #include "models/expressions/user_effect.h"
-#include "page/http/json_number.h"
 
 namespace hydroscope {
 namespace {

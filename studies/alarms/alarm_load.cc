@@ -94,7 +94,7 @@ int Load(AlarmJournal& journal, std::uint64_t seed) {
 int Burst(AlarmJournal& journal, const Feeds& feeds, const AlarmBurstOptions& o) {
   const auto ready = [&] {
     const auto all = feeds.status();
-    return std::all_of(all.begin(), all.end(), [](const FeedStatus& feed) { return feed.connected; });
+    return std::ranges::all_of(all, [](const FeedStatus& feed) { return feed.connected; });
   };
   while (!ready()) Sleep(0.02);
   for (const FeedStatus& feed : feeds.status()) std::cout << feed.name << std::endl;
@@ -122,8 +122,7 @@ int Drain(const Feeds& feeds) {
   const double end = Now() + kDrainPatience;
   while (Now() < end) {
     const auto all = feeds.status();
-    if (std::all_of(all.begin(), all.end(), [](const FeedStatus& f) { return f.connected && f.behind == 0; }))
-      return 0;
+    if (std::ranges::all_of(all, [](const FeedStatus& f) { return f.connected && f.behind == 0; })) return 0;
     Sleep(0.05);
   }
   return 1;

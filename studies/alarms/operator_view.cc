@@ -132,7 +132,7 @@ std::optional<double> OperatorView::WaitForHealth(double patience) const {
         Register(register_map::kFirstAxis + register_map::kHealth).value_or(kFailure) == kFailure)
       return true;
     const auto& axes = status->at("drift").at("axes");
-    return std::any_of(axes.begin(), axes.end(), [](const auto& axis) { return axis.at("health") == "F"; });
+    return std::ranges::any_of(axes, [](const auto& axis) { return axis.at("health") == "F"; });
   };
   while (Now() - begin < patience) {
     if (!fails()) return Now() - begin;

@@ -106,7 +106,7 @@ bool Healthy(const StrokePress& press, const DriftBenchmarkOptions& o) {
     ForEachCase(axes, progress, [&](int axis) {
       StrokePress own = press;
       own.Start(StreamSeed(o.seed, "healthy") + axis);
-      HealthyTally& tally = tallies[static_cast<std::size_t>(axis)];
+      HealthyTally& tally = tallies[axis];
       tally.status = HealthyAxis(std::move(own), strokes, axis, tally);
     });
   }
@@ -119,7 +119,7 @@ bool Healthy(const StrokePress& press, const DriftBenchmarkOptions& o) {
     std::cout << t.text;
   }
   const double rate = static_cast<double>(tally.told + tally.trends) / o.axis_years;
-  std::cout << fmt::format(
+  fmt::print(
       "healthy, {:.3g} axis-years, {} strokes: {} suspicions, {} false alarms and {} false slow drifts = "
       "{:.2f} per axis-year "
       "(required: at most 1)\n",
@@ -170,7 +170,7 @@ void FaultTally::Add(const Found& f, std::int64_t begin, const FaultKind& kind) 
   undecided += open;
   right += as_wanted;
   wrong += !open && !as_wanted;
-  if (!as_wanted) std::cout << fmt::format("  {}: {}\n", kind.name, drift::FindingText(*f.first));
+  if (!as_wanted) fmt::print("  {}: {}\n", kind.name, drift::FindingText(*f.first));
 }
 
 /// What one press showed: each fault, and a warm-up without fault.
@@ -219,9 +219,8 @@ bool Faults(const StrokePress& press, const DriftBenchmarkOptions& o) {
   std::vector<FaultCase> cases(static_cast<std::size_t>(o.faults));
   {
     ProgressBar progress("faults", "cases");
-    ForEachCase(o.faults, progress, [&](int c) {
-      cases[static_cast<std::size_t>(c)] = FollowPress(press, StreamSeed(o.seed, "faults") + c);
-    });
+    ForEachCase(o.faults, progress,
+                [&](int c) { cases[c] = FollowPress(press, StreamSeed(o.seed, "faults") + c); });
   }
   std::array<FaultTally, kFaults.size()> tallies;
   int warm_alarms = 0;
@@ -230,22 +229,21 @@ bool Faults(const StrokePress& press, const DriftBenchmarkOptions& o) {
     for (std::size_t f = 0; f < kFaults.size(); ++f) tallies[f].Add(c.found[f], c.begin, kFaults[f]);
     warm_alarms += c.warm_alarm;
   }
-  std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases",
-                           "found", "suspected", "named", "change ±10", "right", "wrong", "undecided");
+  fmt::print("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases", "found",
+             "suspected", "named", "change ±10", "right", "wrong", "undecided");
   bool reached = true;
   for (std::size_t f = 0; f < kFaults.size(); ++f) {
     const FaultTally& t = tallies[f];
     const double n = t.cases;
-    std::cout << fmt::format(
-        "{:<28} {:>6} {:>5.1f} % {:>10} {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
-        kFaults[f].name, t.cases, 100 * t.found / n, Median(t.suspected, kNever), Median(t.named, kNever),
-        100 * t.near / n, 100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
+    fmt::print("{:<28} {:>6} {:>5.1f} % {:>10} {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
+               kFaults[f].name, t.cases, 100 * t.found / n, Median(t.suspected, kNever),
+               Median(t.named, kNever), 100 * t.near / n, 100 * t.right / n, 100 * t.wrong / n,
+               100 * t.undecided / n);
     reached = reached && Median(t.named, kNever) <= kFaults[f].limit && t.right >= 0.95 * n &&
               t.wrong <= 0.01 * n && t.near >= 0.95 * n;
   }
-  std::cout << fmt::format(
-      "suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
-      warm_alarms, cases.size());
+  fmt::print("suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
+             warm_alarms, cases.size());
   return reached && warm_alarms == 0;
 }
 
@@ -285,7 +283,7 @@ bool ValveChecks(const DriftBenchmarkOptions& o) {
     found += !finding.parts.empty();
     right += finding.rule == "slow_pilot_stage";
   }
-  std::cout << fmt::format(
+  fmt::print(
       "valve checks: f0 -10 % found at the next check in {} of {} valves, {} named right; {} false alarms in "
       "{} healthy checks\n",
       found, valves, right, false_alarms,

@@ -116,12 +116,12 @@ void FollowFault(DriftMonitor monitor, const std::vector<StrokeEvidence>& stroke
         ++tally.undecided;
       else
         ++(f.rule == fault.rule ? tally.right : tally.wrong);
-      if (details) std::cout << fmt::format("    {:<28} {}\n", fault.name, drift::FindingText(f));
+      if (details) fmt::print("    {:<28} {}\n", fault.name, drift::FindingText(f));
       return;
     }
   }
   tally.named.push_back(std::numeric_limits<double>::infinity());
-  if (details) std::cout << fmt::format("    {:<28} not found\n", fault.name);
+  if (details) fmt::print("    {:<28} not found\n", fault.name);
 }
 
 Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaign) {
@@ -145,9 +145,8 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
   const auto healthy = Record(axis, &*model, o.healthy, 25, 62, seed + 2000, sequence, nullptr);
   if (!healthy) return tl::unexpected(healthy.error());
   if (o.details)
-    std::cout << fmt::format("  machine {} ({}), {} classes\n", index + 1,
-                             axis.products ? "three products" : "random",
-                             monitor.reference().classes().count());
+    fmt::print("  machine {} ({}), {} classes\n", index + 1, axis.products ? "three products" : "random",
+               monitor.reference().classes().count());
   std::int64_t told = 0;
   for (const StrokeEvidence& stroke : *healthy) {
     campaign.judged += monitor.Add(stroke).reason == drift::JudgementReason::kJudged;
@@ -156,8 +155,8 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
       if (!WasTold(f) || f.number <= told) continue;
       told = f.number;
       ++campaign.false_alarms;
-      std::cout << fmt::format("  false alarm, machine {} stroke {} oil {:.1f} degC: {}\n", index + 1,
-                               stroke.sequence, f.oil_temperature - kZeroCelsius, drift::FindingText(f));
+      fmt::print("  false alarm, machine {} stroke {} oil {:.1f} degC: {}\n", index + 1, stroke.sequence,
+                 f.oil_temperature - kZeroCelsius, drift::FindingText(f));
     }
   }
   if (!monitor.findings().empty()) return {};  // a fault beside a false alarm is another question
@@ -172,20 +171,20 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
 }
 
 bool Print(const Campaign& c, const DriftFullSimulationOptions& o) {
-  std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases",
-                           "found", "named", "change ±10", "right", "wrong", "undecided");
+  fmt::print("\n{:<28} {:>6} {:>7} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases", "found", "named",
+             "change ±10", "right", "wrong", "undecided");
   bool reached = true;
   for (std::size_t f = 0; f < kFullFaults.size(); ++f) {
     const FullFaultTally& t = c.faults[f];
     const double n = std::max(1, t.cases);
     const double median = Median(t.named, kNever);
-    std::cout << fmt::format("{:<28} {:>6} {:>5.1f} % {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
-                             kFullFaults[f].name, t.cases, 100 * t.found / n, median, 100 * t.near / n,
-                             100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
+    fmt::print("{:<28} {:>6} {:>5.1f} % {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
+               kFullFaults[f].name, t.cases, 100 * t.found / n, median, 100 * t.near / n, 100 * t.right / n,
+               100 * t.wrong / n, 100 * t.undecided / n);
     reached = reached && t.cases > 0 && median <= kFullFaults[f].limit && t.right >= 0.95 * t.cases &&
               t.wrong <= 0.01 * t.cases && t.near >= 0.95 * t.cases;
   }
-  std::cout << fmt::format(
+  fmt::print(
       "named: median strokes after the fault\n"
       "healthy: {} strokes of {} machines, {:.1f} % judged, {} false alarms (required: none in a day of each "
       "machine); {} machines whose commissioning strokes do not tell the parameters apart\n",

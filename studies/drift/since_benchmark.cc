@@ -7,6 +7,7 @@
 #include <iostream>
 #include <vector>
 
+#include "core/contains.h"
 #include "host/output.h"
 #include "simulator/die_cushion/effects.h"
 #include "simulator/die_cushion/press.h"
@@ -78,7 +79,7 @@ void MoveParameter(std::mt19937_64& random, PressMachine& machine) {
 }
 
 MachineHistory DrawHistory(int index, const SinceOptions& o) {
-  std::mt19937_64 random(o.seed * 1000003 + static_cast<std::uint64_t>(index));
+  std::mt19937_64 random(o.seed * 1000003 + index);
   const PressOptions machine = RandomMachine(random() >> 32);
   MachineHistory h;
   h.before = LogOfMachine(machine, random);
@@ -141,19 +142,15 @@ Status AskWhatChanged(MachineHistory& h) {
   return {};
 }
 
-bool IsOneOf(const std::vector<std::string>& ids, const std::string& id) {
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
-
 /// Whether one of the candidates for a cause is what changed.
 bool IsRight(const MachineHistory& h, const std::vector<std::string>& group) {
-  return std::any_of(group.begin(), group.end(), [&](const auto& id) { return IsOneOf(h.changed, id); });
+  return std::ranges::any_of(group, [&](const auto& id) { return Contains(h.changed, id); });
 }
 
 /// Causes named that changed in no way.
 std::ptrdiff_t WrongGroups(const MachineHistory& h) {
   const auto& groups = h.result.after.explanation.groups;
-  return std::count_if(groups.begin(), groups.end(), [&](const auto& g) { return !IsRight(h, g); });
+  return std::ranges::count_if(groups, [&](const auto& g) { return !IsRight(h, g); });
 }
 
 void CountAnswer(const MachineHistory& h, ChangeTally& t) {
@@ -165,7 +162,7 @@ void CountAnswer(const MachineHistory& h, ChangeTally& t) {
   t.unknown += x.verdict == Verdict::kUnknown;
   if (x.set.empty()) return;
   const bool right = IsRight(h, x.set);
-  t.first += IsOneOf(h.changed, x.set.front());
+  t.first += Contains(h.changed, x.set.front());
   t.in_set += right;
   t.wrong += !right;
   t.beside += right && WrongGroups(h) > 0;
@@ -212,13 +209,12 @@ void WriteHistories(const std::string& path, const std::vector<MachineHistory>& 
 double InPercent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
 
 void PrintAnswers(const std::array<ChangeTally, kChangeKinds>& tallies) {
-  std::cout << fmt::format("{:<40}{:>6}{:>7}{:>8}{:>7}{:>8}{:>8}{:>9}{:>9}{:>9}\n", "", "cases", "first",
-                           "in set", "wrong", "beside", "silent", "unknown", "flagged", "refused");
+  fmt::print("{:<40}{:>6}{:>7}{:>8}{:>7}{:>8}{:>8}{:>9}{:>9}{:>9}\n", "", "cases", "first", "in set", "wrong",
+             "beside", "silent", "unknown", "flagged", "refused");
   for (int k = 0; k < kChangeKinds; ++k) {
     const ChangeTally& t = tallies[k];
-    std::cout << fmt::format("{:<40}{:>6}{:>7}{:>8}{:>7}{:>8}{:>8}{:>9}{:>9}{:>9}\n", kChangeNames[k],
-                             t.cases, t.first, t.in_set, t.wrong, t.beside, t.silent, t.unknown, t.flagged,
-                             t.refused);
+    fmt::print("{:<40}{:>6}{:>7}{:>8}{:>7}{:>8}{:>8}{:>9}{:>9}{:>9}\n", kChangeNames[k], t.cases, t.first,
+               t.in_set, t.wrong, t.beside, t.silent, t.unknown, t.flagged, t.refused);
   }
 }
 
@@ -231,21 +227,21 @@ bool GoalsReached(const std::array<ChangeTally, kChangeKinds>& tallies) {
     (changes ? changed : same) += tallies[k].cases;
     (changes ? changed_wrong : same_wrong) += tallies[k].wrong + tallies[k].beside;
   }
-  std::cout << fmt::format(
+  fmt::print(
       "\nnamed though it did not change: {} of {} histories with a change ({:.1f} %, at most 2 %), {} of {} "
       "without ({:.1f} %, at most 1 %)\n",
       changed_wrong, changed, InPercent(changed_wrong, changed), same_wrong, same,
       InPercent(same_wrong, same));
   const ChangeTally& strong = tallies[kNewStrong];
-  std::cout << fmt::format("strong effects first in the set: {:.1f} %, at least 66 %\n",
-                           InPercent(strong.first, strong.cases));
+  fmt::print("strong effects first in the set: {:.1f} %, at least 66 %\n",
+             InPercent(strong.first, strong.cases));
   return InPercent(changed_wrong, changed) <= 2 && InPercent(same_wrong, same) <= 1 &&
          3 * strong.first >= 2 * strong.cases;
 }
 
 bool KnowsEffect(const std::string& id) {
   const auto& effects = PressEffects();
-  return std::any_of(effects.begin(), effects.end(), [&](const EffectInfo& e) { return e.id == id; });
+  return std::ranges::any_of(effects, [&](const EffectInfo& e) { return e.id == id; });
 }
 
 }  // namespace
@@ -263,8 +259,7 @@ int RunSinceBenchmark(const SinceOptions& o) {
     histories.push_back(std::move(h));
     progress.Update((i + 1.0) / o.cases, i + 1);
   }
-  std::cout << fmt::format("{} histories of a machine, 60 ... 180 s before and after, seed {}\n\n", o.cases,
-                           o.seed);
+  fmt::print("{} histories of a machine, 60 ... 180 s before and after, seed {}\n\n", o.cases, o.seed);
   PrintAnswers(tallies);
   if (!o.details.empty()) WriteHistories(o.details, histories);
   const bool reached = GoalsReached(tallies);

@@ -51,7 +51,7 @@ struct Slopes {
 PressOptions RunOptions(const ThirtyRunsOptions& o, std::uint64_t seed, int run) {
   PressOptions press;
   press.seconds = o.seconds;
-  press.seed = seed * 1000 + static_cast<std::uint64_t>(run);
+  press.seed = seed * 1000 + run;
   const double step = (o.oil_last - o.oil_first) / o.runs;
   press.oil_start = o.oil_first + step * run + kZeroCelsius;
   press.oil_end = press.oil_start + step;
@@ -171,15 +171,14 @@ Result<Study> StudySeed(const ThirtyRunsOptions& o, std::uint64_t seed, const st
 }
 
 void PrintRuns(const std::vector<RunResult>& runs) {
-  std::cout << fmt::format("{:>3} {:>7} {:>8}", "run", "oil °C", "strokes");
+  fmt::print("{:>3} {:>7} {:>8}", "run", "oil °C", "strokes");
   for (const Watched& w : kWatched)
-    std::cout << fmt::format(" {:>12} ± std     {:>8}", fmt::format("{} {}", w.name, w.unit), "trend");
+    fmt::print(" {:>12} ± std     {:>8}", fmt::format("{} {}", w.name, w.unit), "trend");
   std::cout << "\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    std::cout << fmt::format("{:>3} {:>7.2f} {:>8}", i + 1, runs[i].oil - kZeroCelsius, runs[i].strokes);
+    fmt::print("{:>3} {:>7.2f} {:>8}", i + 1, runs[i].oil - kZeroCelsius, runs[i].strokes);
     for (std::size_t w = 0; w < kWatched.size(); ++w)
-      std::cout << fmt::format(" {:>12.4f} ± {:<7.4f} {:>8.4f}", runs[i].value[w], runs[i].std[w],
-                               runs[i].trend[w]);
+      fmt::print(" {:>12.4f} ± {:<7.4f} {:>8.4f}", runs[i].value[w], runs[i].std[w], runs[i].trend[w]);
     std::cout << "\n";
   }
 }
@@ -205,10 +204,10 @@ bool PrintSlopes(const char* title, const std::array<TestedValue, 3>& slopes, co
     const double truth = TrueSlope(o, w);
     const bool right = Right(slopes[i], truth);
     reached = reached && right;
-    std::cout << fmt::format("{:<5} {:>9.4f} ± {:<8.4f} {}/K, truth {:.4f}: {} the truth, {} 0{}\n", w.name,
-                             slopes[i].value, slopes[i].HalfWidth(), w.unit, truth,
-                             Holds(slopes[i], truth) ? "holds" : "does NOT hold",
-                             Holds(slopes[i], 0) ? "holds" : "excludes", right ? "" : "  <- missed");
+    fmt::print("{:<5} {:>9.4f} ± {:<8.4f} {}/K, truth {:.4f}: {} the truth, {} 0{}\n", w.name,
+               slopes[i].value, slopes[i].HalfWidth(), w.unit, truth,
+               Holds(slopes[i], truth) ? "holds" : "does NOT hold",
+               Holds(slopes[i], 0) ? "holds" : "excludes", right ? "" : "  <- missed");
   }
   return reached;
 }
@@ -239,8 +238,7 @@ bool PrintReport(const Slopes& slopes, const ThirtyRunsOptions& o) {
   for (std::size_t i = 0; i < kWatched.size(); ++i) {
     const bool right = SaidRight(slopes, i, o);
     reached = reached && right;
-    std::cout << fmt::format("{:<5} {}{}\n", kWatched[i].name, ReportWords(slopes.report[i]),
-                             right ? "" : "  <- missed");
+    fmt::print("{:<5} {}{}\n", kWatched[i].name, ReportWords(slopes.report[i]), right ? "" : "  <- missed");
   }
   return reached;
 }
@@ -253,7 +251,7 @@ bool Claims(const Slopes& slopes, std::size_t watched) {
 /// What the reports of all seeds say. At most 5 % may claim anything of a parameter that does neither follow
 /// the oil nor change; the one that follows must be found in all.
 bool PrintReports(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
-  std::cout << fmt::format("\nthe reports of {} seeds\n", all.size());
+  fmt::print("\nthe reports of {} seeds\n", all.size());
   int wrong = 0, found = 0, hints = 0;
   for (const Slopes& slopes : all) {
     bool claims = false, hint = false;
@@ -269,8 +267,8 @@ bool PrintReports(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
     hints += hint && !claims;
   }
   const int seeds = static_cast<int>(all.size());
-  if (o.viscosity != 0) std::cout << fmt::format("Q_vn follows the oil in {} of {}\n", found, seeds);
-  std::cout << fmt::format(
+  if (o.viscosity != 0) fmt::print("Q_vn follows the oil in {} of {}\n", found, seeds);
+  fmt::print(
       "said to follow the oil, to move or to have changed, though it does not: in {} of {} ({:.1f} "
       "%, at most 5 %), a hint in {}\n",
       wrong, seeds, 100.0 * wrong / seeds, hints);
@@ -278,30 +276,27 @@ bool PrintReports(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
 }
 
 void PrintSeeds(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
-  std::cout << fmt::format(
-      "\nslopes over {} seeds; 95 % intervals that hold the truth, about 95 % are due\n{:<5}", all.size(),
-      "seed");
+  fmt::print("\nslopes over {} seeds; 95 % intervals that hold the truth, about 95 % are due\n{:<5}",
+             all.size(), "seed");
   for (const Watched& w : kWatched)
-    std::cout << fmt::format(" {:>20} {:>20}", fmt::format("{} by itself", w.name),
-                             fmt::format("{} trend", w.name));
+    fmt::print(" {:>20} {:>20}", fmt::format("{} by itself", w.name), fmt::format("{} trend", w.name));
   std::cout << "\n";
   std::array<std::array<int, 2>, 3> held{};
   for (std::size_t s = 0; s < all.size(); ++s) {
-    std::cout << fmt::format("{:<5}", o.seed + s);
+    fmt::print("{:<5}", o.seed + s);
     for (std::size_t w = 0; w < kWatched.size(); ++w) {
       const std::array<TestedValue, 2> both = {all[s].by_itself[w], all[s].trend[w]};
       for (std::size_t k = 0; k < both.size(); ++k) {
         const bool holds = Holds(both[k], TrueSlope(o, kWatched[w]));
         held[w][k] += holds;
-        std::cout << fmt::format(" {:>9.4f} ± {:.4f} {}", both[k].value, both[k].HalfWidth(),
-                                 holds ? " " : "!");
+        fmt::print(" {:>9.4f} ± {:.4f} {}", both[k].value, both[k].HalfWidth(), holds ? " " : "!");
       }
     }
     std::cout << "\n";
   }
-  std::cout << fmt::format("{:<5}", "held");
+  fmt::print("{:<5}", "held");
   for (const auto& h : held)
-    for (int count : h) std::cout << fmt::format(" {:>20}", fmt::format("{} of {}", count, all.size()));
+    for (int count : h) fmt::print(" {:>20}", fmt::format("{} of {}", count, all.size()));
   std::cout << "\n";
 }
 
@@ -310,15 +305,13 @@ void PrintSeeds(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
 int RunThirtyRuns(const ThirtyRunsOptions& o) {
   if (!o.database.empty() && std::filesystem::exists(o.database))
     return ReportError(BadInput("{} exists already; the study needs a new database", o.database).value());
-  std::cout << fmt::format(
-      "{} consecutive runs of {:.0f} s, oil {} -> {} degC, flow gain {:+.2f} %/K, seed {}\n\n", o.runs,
-      o.seconds, o.oil_first, o.oil_last, 100 * o.viscosity, o.seed);
+  fmt::print("{} consecutive runs of {:.0f} s, oil {} -> {} degC, flow gain {:+.2f} %/K, seed {}\n\n", o.runs,
+             o.seconds, o.oil_first, o.oil_last, 100 * o.viscosity, o.seed);
   std::vector<Slopes> all;
   bool reached = true;
   for (int s = 0; s < o.seeds; ++s) {
     const bool first = s == 0;
-    auto study =
-        StudySeed(o, o.seed + static_cast<std::uint64_t>(s), first ? o.database : "", first ? o.report : "");
+    auto study = StudySeed(o, o.seed + s, first ? o.database : "", first ? o.report : "");
     if (!study) return ReportError(study.error());
     all.push_back(study->slopes);
     if (!first) continue;

@@ -86,10 +86,7 @@ int RunRowFaults(const LiveFaultOptions& o) {
       (std::filesystem::temp_directory_path() / fmt::format("hydroscope-faults-{}", getpid())).string();
   const storage_test::MountedDisk disk(folder, "64m");
   LiveRig rig({.seed = o.seed, .folder = folder});
-  rig.StartPress();
-  rig.StartService({"--min-free", "8"});
-  if (!rig.WaitFor([](const Json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
-    return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
+  if (const Status begun = rig.Begin({"--min-free", "8"}); !begun) return ReportError(begun.error());
   FaultTable campaign(rig);
   const auto say = [&](const char* line) { return [&rig, line] { rig.press().Say(line); }; };
   campaign.Cut("DDS silent for 5 s", "p_A", 5, say("dds mute"), say("dds on"));
@@ -114,12 +111,10 @@ int RunRowFaults(const LiveFaultOptions& o) {
     fmt::print("disk full: not tried, mounting a small disk needs the right to mount\n");
   }
   const int ended = rig.service().End(SIGTERM);
-  const auto replays = CountReplays(rig.database());
-  if (!replays) return ReportError(replays.error());
-  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
-             replays->same + replays->different, ended);
+  const auto same = ReplaysAreTheSame(rig.database(), ended);
+  if (!same) return ReportError(same.error());
   if (!disk.ok()) std::filesystem::remove_all(folder);
-  return campaign.missed() == 0 && replays->ok() && ended == 0 ? 0 : 1;
+  return campaign.missed() == 0 && *same && ended == 0 ? 0 : 1;
 }
 
 }  // namespace

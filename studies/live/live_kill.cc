@@ -63,8 +63,7 @@ Result<std::vector<std::string>> Check(
           faults.push_back(fmt::format("{} run {}: stroke {} twice", name, run.id, stroke.index));
         last_end = stroke.end;
       }
-      const auto extent =
-          std::find_if(extents->begin(), extents->end(), [&](const RawExtent& e) { return e.run == run.id; });
+      const auto extent = std::ranges::find_if(*extents, [&](const RawExtent& e) { return e.run == run.id; });
       const std::int64_t rows = extent == extents->end() ? 0 : extent->rows;
       if (word != said.end() && rows < word->second.rows)
         faults.push_back(
@@ -148,7 +147,7 @@ int RunLiveKill(const LiveKillOptions& o) {
   if (!faults) return ReportError(faults.error());
   const auto replays = CountReplays(rig.database());
   if (!replays) return ReportError(replays.error());
-  std::sort(back.begin(), back.end());
+  std::ranges::sort(back);
   const double worst = back.empty() ? 99 : back.back();
   fmt::print("kill -9 of the service under load, {} times, 4 axes at 1 kHz, DDS transport {}\n", o.times,
              o.transport);

@@ -8,8 +8,6 @@
 namespace hydroscope {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kImpaired = 20.0;  // s that the wire stays impaired
 
 /// The wire is bad for a while: no row may be missing, and the service must go on.
@@ -45,10 +43,7 @@ int RunLiveNetwork(const LiveNetworkOptions& o) {
                .service_address = ImpairedWire::kAddresses[1],
                .press_network = (*wire)->network(0),
                .service_network = (*wire)->network(1)});
-  rig.StartPress();
-  rig.StartService();
-  if (!rig.WaitFor([](const Json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
-    return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
+  if (const Status begun = rig.Begin(); !begun) return ReportError(begun.error());
   FaultTable table(rig);
   Impair(rig, **wire, table, "5 % of the frames lost", {.loss = 0.05});
   Impair(rig, **wire, table, "50 ms delay, a quarter overtakes", {.delay = 0.05, .overtaking = 0.25});
@@ -61,13 +56,11 @@ int RunLiveNetwork(const LiveNetworkOptions& o) {
   }
   const auto last = rig.Ask();
   const int ended = rig.service().End(SIGTERM);
-  const auto replays = CountReplays(rig.database());
-  if (!replays) return ReportError(replays.error());
   fmt::print("frames carried {}, lost {}; rows missing in all {}\n", (*wire)->carried(), (*wire)->lost(),
              last ? SumOverAxes(*last, "missing_rows") : -1);
-  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
-             replays->same + replays->different, ended);
-  return table.missed() == 0 && replays->ok() && ended == 0 ? 0 : 1;
+  const auto same = ReplaysAreTheSame(rig.database(), ended);
+  if (!same) return ReportError(same.error());
+  return table.missed() == 0 && *same && ended == 0 ? 0 : 1;
 }
 
 }  // namespace hydroscope

@@ -211,6 +211,16 @@ void LiveRig::StartService(std::vector<std::string> more) {
   service_->SetNice(options_.nice);
 }
 
+Status LiveRig::Begin(std::vector<std::string> more) {
+  StartPress();
+  StartService(std::move(more));
+  const auto stored = [](const nlohmann::json& s) {
+    return s.at("writer").at("strokes").get<std::int64_t>() > 0;
+  };
+  if (WaitFor(stored, 60)) return {};
+  return InternalError("no stroke was stored within 60 s");
+}
+
 std::string LiveRig::LastWords() const {
   std::string words;
   for (const char* log : {"press.log", "serve.log"}) {

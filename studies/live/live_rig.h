@@ -66,6 +66,8 @@ class LiveRig {
   std::string database() const { return File("press.db"); }
   void StartPress();
   void StartService(std::vector<std::string> more = {});
+  /// Starts both and waits for the first stroke; an error if none is stored within 60 s.
+  Status Begin(std::vector<std::string> more = {});
   /// Another press that sends the same channels, until StopRival.
   void StartRival();
   void StopRival() { rival_->End(SIGTERM); }

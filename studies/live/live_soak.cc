@@ -11,11 +11,8 @@ namespace hydroscope {
 
 int RunLiveSoak(const LiveSoakOptions& o) {
   LiveRig rig({.seed = o.seed, .folder = {}});
-  rig.StartPress();
-  rig.StartService({"--raw-gb", "0.02"});  // the raw window fills and turns over within the soak
-  if (!rig.WaitFor(
-          [](const nlohmann::json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
-    return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
+  // The raw window fills and turns over within the soak.
+  if (const Status begun = rig.Begin({"--raw-gb", "0.02"}); !begun) return ReportError(begun.error());
   fmt::print("{:>8} {:>12} {:>12} {:>12} {:>10} {:>10}\n", "minute", "memory MB", "descriptors",
              "database MB", "strokes", "p99 ms");
   struct Point {

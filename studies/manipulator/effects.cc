@@ -25,7 +25,7 @@ struct EffectOutcome {
 };
 
 EffectOutcome ExplainOne(int number, const ManipulatorBenchmarkOptions& o) {
-  const std::uint64_t seed = o.seed * 7919 + static_cast<std::uint64_t>(number);
+  const std::uint64_t seed = o.seed * 7919 + number;
   const auto& effects = ManipulatorEffects();
   // One healthy log after all the effects, again and again.
   const std::size_t turn = static_cast<std::size_t>(number) % (effects.size() + 1);

@@ -54,7 +54,7 @@ bool PrintIdentification(const ManipulatorBenchmarkOptions& options) {
   ForEachCase(
       options.cases, progress,
       [&](int number) {
-        const std::uint64_t seed = options.seed * 1000 + static_cast<std::uint64_t>(number);
+        const std::uint64_t seed = options.seed * 1000 + number;
         const ManipulatorTruth truth = DrawnManipulator(seed);
         const IdentifiedManipulator found = Identify(truth, DrawnMotion(seed), options.seconds, seed);
         std::map<std::string, double> truths;

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "estimation/linear_form/linear_fit.h"
 #include "studies/manipulator/benchmark.h"
 #include "studies/manipulator/machine.h"

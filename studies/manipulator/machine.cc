@@ -53,8 +53,8 @@ Episode EpisodeOf(const ManipulatorLog& log) {
   for (std::size_t k = 0; k < log.rows.size(); ++k) {
     const ManipulatorReadings& r = log.rows[k].readings;
     episode.time.push_back(log.rows[k].time);
-    episode.signal.row(static_cast<Eigen::Index>(k)) << r.q[0], r.q[1], r.p_1[0], r.p_2[0], r.p_1[1],
-        r.p_2[1], r.p_s, r.spool[0], r.spool[1];
+    episode.signal.row(k) << r.q[0], r.q[1], r.p_1[0], r.p_2[0], r.p_1[1], r.p_2[1], r.p_s, r.spool[0],
+        r.spool[1];
   }
   return episode;
 }
@@ -62,7 +62,7 @@ Episode EpisodeOf(const ManipulatorLog& log) {
 ControllerModel WithIdentified(ControllerModel model, const std::vector<std::string>& names,
                                const Eigen::VectorXd& values) {
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const double value = values[static_cast<Eigen::Index>(k)];
+    const double value = values[k];
     const std::string& name = names[k];
     for (std::size_t r = 0; r < kRigidNames.size(); ++r)
       if (name == kRigidNames[r]) model.rigid[r] = value;

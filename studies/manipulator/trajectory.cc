@@ -43,7 +43,7 @@ bool PrintTrajectories(const ManipulatorBenchmarkOptions& options) {
   fmt::print("\ntrajectory      condition  mean std of rigid bodies\n");
   double drawn = 0;
   for (int k = 0; k < kDrawn; ++k) {
-    const std::uint64_t seed = options.seed * 1000 + static_cast<std::uint64_t>(k);
+    const std::uint64_t seed = options.seed * 1000 + k;
     const LinearFit fit = Identify(truth, DrawnMotion(seed), options.seconds, seed).fit;
     if (!fit.solved()) return false;
     drawn += IntervalWidth(fit) / kDrawn;

@@ -40,7 +40,7 @@ double Smoothed(const std::vector<double>& ripple, const PumpOptions& o) {
   for (int k = m; k + m < count; ++k) {
     double sum = 0;
     for (int i = -m; i <= m; ++i)
-      sum += ripple[static_cast<std::size_t>(k + i)] * 3 * (3 * m * m + 3 * m - 1 - 5 * i * i) /
+      sum += ripple[k + i] * 3 * (3 * m * m + 3 * m - 1 - 5 * i * i) /
              ((2 * m - 1.0) * (2 * m + 1.0) * (2 * m + 3.0));
     energy += sum * sum;
   }
@@ -72,7 +72,7 @@ std::vector<double> ErrorsOf(const StateFit& fit, const Eigen::VectorXd& truth) 
 double LargestOf(const std::vector<double>& errors) {
   double largest = errors.empty() ? 1 : 0;
   for (int p = 0; p < kPublishedParameters && !errors.empty(); ++p)
-    largest = std::max(largest, std::abs(errors[static_cast<std::size_t>(p)]));
+    largest = std::max(largest, std::abs(errors[p]));
   return largest;
 }
 
@@ -123,16 +123,16 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
   ForEachCase(
       o.machines, progress,
       [&](int k) {
-        PumpCase& c = cases[static_cast<std::size_t>(k)];
-        PumpOptions options = RandomPump(o.seed + static_cast<std::uint64_t>(k));
+        PumpCase& c = cases[k];
+        PumpOptions options = RandomPump(o.seed + k);
         options.seconds = kRecordSeconds;
         c = FitPump(options);
         const std::lock_guard lock(mutex);
         fmt::print(
             "{:>5} {:>10.1f} {:>6.1f} {:>6.2f} {:>8.2f} {:>6.2f} {:>8.2f} {:>6.2f} {:>8.1f} {:>6.1f} {:>12.2f} {:>13.2f} {:>7.1f}  {}\n",
-            o.seed + static_cast<std::uint64_t>(k), c.ripple / 1e3, c.ripple_smoothed / 1e3,
-            c.ripple_left / 1e3, c.all.log, c.all.pulse, c.outlet.log, c.outlet.pulse, c.linear.log,
-            c.linear.pulse, 100 * LargestOf(c.error_all), 100 * LargestOf(c.error_outlet), c.seconds,
+            o.seed + k, c.ripple / 1e3, c.ripple_smoothed / 1e3, c.ripple_left / 1e3, c.all.log, c.all.pulse,
+            c.outlet.log, c.outlet.pulse, c.linear.log, c.linear.pulse, 100 * LargestOf(c.error_all),
+            100 * LargestOf(c.error_outlet), c.seconds,
             c.together.empty()
                 ? ""
                 : fmt::format("{} together: {}", fmt::join(c.together, " "), fmt::join(c.sensors, " or ")));

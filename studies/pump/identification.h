@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "studies/pump/benchmark.h"
 #include "studies/pump/machine.h"
 

@@ -84,7 +84,7 @@ Episode PumpEpisode(const PumpLog& log, const Machine& machine) {
 Eigen::VectorXd PumpParameters(const PumpOptions& options) {
   const std::vector<PumpSize> sizes = TrueParameters(options);
   Eigen::VectorXd p(static_cast<Eigen::Index>(sizes.size()));
-  for (std::size_t k = 0; k < sizes.size(); ++k) p[static_cast<Eigen::Index>(k)] = sizes[k].second;
+  for (std::size_t k = 0; k < sizes.size(); ++k) p[k] = sizes[k].second;
   return p;
 }
 

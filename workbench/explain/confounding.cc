@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "core/effect_units.h"
 #include "core/unit_told.h"
 #include "core/units.h"
@@ -46,14 +47,14 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
   std::vector<EffectChoice> choices;
   for (int e = 0; e < static_cast<int>(model->effects.size()); ++e) {
     const auto& added = machine.added_effects;
-    if (std::find(added.begin(), added.end(), model->effects[e]->id) == added.end()) continue;
+    if (!Contains(added, model->effects[e]->id)) continue;
     const EffectChoice best = strokes.BestShape(e, choices);
     if (best.shape >= 0) choices.push_back(best);
   }
   const ExtendedFit fit = strokes.Fit(choices);
   if (!fit.solved) return out;
   for (const HiddenBias& bias : ConfoundedBiases(strokes, fit, figures.parameters)) {
-    const Estimate& parameter = figures.parameters[static_cast<std::size_t>(bias.parameter)];
+    const Estimate& parameter = figures.parameters[bias.parameter];
     const std::string& id = model->effects[bias.effect]->id;
     if (out.empty() || out.back().parameter != parameter.parameter)
       out.push_back({parameter.parameter, id, {}, bias.bias, {}, {}});
@@ -61,7 +62,7 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
   }
   for (Confounding& c : out) {
     const auto is = [&](const Estimate& e) { return e.parameter == c.parameter; };
-    const Estimate& parameter = *std::find_if(figures.parameters.begin(), figures.parameters.end(), is);
+    const Estimate& parameter = *std::ranges::find_if(figures.parameters, is);
     for (const auto& effect : model->effects)
       if (effect->id == c.effect) c.reason = ReasonFor(KindOf(machine), c, *effect, parameter);
     c.advice = Tell("record strokes that differ more in {}, with holds between them",

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "workbench/explain/explain_log.h"
 
 namespace hydroscope {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
+
 namespace hydroscope {
 namespace {
 
@@ -16,7 +18,7 @@ std::vector<std::string> IdsOf(const ModelStructure& model, std::span<const Effe
 }
 
 void AddOnce(std::vector<std::string>& ids, const std::string& id) {
-  if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
+  if (!Contains(ids, id)) ids.push_back(id);
 }
 
 /// The last effect of `fit` in the strokes before, in the same model and shape.
@@ -87,7 +89,7 @@ Result<ExplainResult> ExplainNewest(const StrokeHistory& before, StrokeHistory& 
     if (!result) break;
     const std::vector<std::string>& set = result->explanation.set;
     const std::string& seen = all->explanation.steps[1].added;
-    if (std::find(set.begin(), set.end(), seen) == set.end()) continue;
+    if (!Contains(set, seen)) continue;
     newest = std::move(part);
     return result;
   }
@@ -163,8 +165,7 @@ class EffectComparison {
   int ShapeBefore(const EffectChoice& choice) const {
     const auto& was = result_.before.explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
     const auto& shapes = now_.model().effect_shapes[choice.effect];
-    const auto at =
-        std::find_if(shapes.begin(), shapes.end(), [&](const EffectShape& s) { return s.nonlinear == was; });
+    const auto at = std::ranges::find_if(shapes, [&](const EffectShape& s) { return s.nonlinear == was; });
     return at == shapes.end() ? -1 : static_cast<int>(at - shapes.begin());
   }
 

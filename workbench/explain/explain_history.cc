@@ -31,7 +31,7 @@ std::shared_ptr<const ModelStructure> Refined(const Explanation& x) {
   for (const auto* ranking : {&x.ranking, &x.second})
     for (std::size_t k = 0; k < std::min(kRefined, ranking->size()); ++k)
       effects.push_back((*ranking)[k].effect);
-  std::sort(effects.begin(), effects.end());
+  std::ranges::sort(effects);
   effects.erase(std::unique(effects.begin(), effects.end()), effects.end());
   for (const int effect : effects) AddInterpolatedShapes(*model, effect);
   return model;
@@ -168,8 +168,8 @@ void DoubtForTwinNotStored(Explanation& x) {
   if (x.partial || x.set.empty()) return;
   for (const std::string& named : x.set)
     for (const std::string& twin : TwinsOf(*x.model, named)) {
-      const bool tried = std::any_of(x.model->effects.begin(), x.model->effects.end(),
-                                     [&](const auto& effect) { return effect->id == twin; });
+      const bool tried =
+          std::ranges::any_of(x.model->effects, [&](const auto& effect) { return effect->id == twin; });
       if (tried) continue;
       x.partial = true;
       x.doubt = Tell(

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "core/json_value.h"
 #include "models/output_unit.h"
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/explain_output.h"
@@ -68,7 +69,7 @@ nlohmann::json RankingJson(const ExplainResult& result) {
 nlohmann::json StepsJson(const ExplainResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const ExplainStep& step : result.explanation.steps)
-    out.push_back({{"added", step.added.empty() ? nlohmann::json() : nlohmann::json(step.added)},
+    out.push_back({{"added", JsonOrNull(step.added)},
                    {"rms_holdout", step.rms_holdout * Factor(result)},
                    {"excess_ratio", step.excess_ratio}});
   return out;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -29,10 +30,9 @@ std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model) {
   std::vector<UnmeasuredEffect> out;
   for (const auto& effect : model.sample_effects) {
     const auto same = [&](const auto& other) { return other->id == effect->id; };
-    const bool measured = std::all_of(effect->channels.begin(), effect->channels.end(),
-                                      [&](int channel) { return model.channel_source[channel] >= 0; });
-    if (measured && std::none_of(model.effects.begin(), model.effects.end(), same))
-      out.push_back({effect, {}});
+    const bool measured = std::ranges::all_of(
+        effect->channels, [&](int channel) { return model.channel_source[channel] >= 0; });
+    if (measured && std::ranges::none_of(model.effects, same)) out.push_back({effect, {}});
   }
   return out;
 }
@@ -77,8 +77,8 @@ bool HasSamples(const LogStrokes& log, const ModelStructure& model, int channel)
     return std::any_of(s[channel], s[channel] + s.samples, [](double value) { return std::isfinite(value); });
   };
   return model.channel_source[channel] >= 0 &&
-         std::any_of(log.stretches.begin(), log.stretches.end(), [&](const StrokeStretches& stroke) {
-           return std::any_of(stroke.begin(), stroke.end(), is_good);
+         std::ranges::any_of(log.stretches, [&](const StrokeStretches& stroke) {
+           return std::ranges::any_of(stroke, is_good);
          });
 }
 
@@ -88,13 +88,11 @@ void DoubtForUntried(const LogStrokes& log, Explanation& x) {
   const ModelStructure& model = *x.model;
   if (x.partial || x.set.empty() || model.kind->effects == nullptr) return;
   for (const auto& untried : model.kind->effects(log.machine)) {
-    const auto missing = std::find_if(untried->channels.begin(), untried->channels.end(),
-                                      [&](int channel) { return !HasSamples(log, model, channel); });
+    const auto missing = std::ranges::find_if(untried->channels,
+                                              [&](int channel) { return !HasSamples(log, model, channel); });
     if (missing == untried->channels.end()) continue;
-    const bool is_like = std::any_of(model.effects.begin(), model.effects.end(), [&](const auto& named) {
-      return std::find(x.set.begin(), x.set.end(), named->id) != x.set.end() &&
-             std::find(untried->confused_with.begin(), untried->confused_with.end(), named->id) !=
-                 untried->confused_with.end() &&
+    const bool is_like = std::ranges::any_of(model.effects, [&](const auto& named) {
+      return Contains(x.set, named->id) && Contains(untried->confused_with, named->id) &&
              untried->nonlinear.size() <= named->nonlinear.size();
     });
     if (!is_like) continue;
@@ -109,12 +107,11 @@ void DoubtForUntried(const LogStrokes& log, Explanation& x) {
 /// A play, a lag or a delay of a signal that was stored at some rows only may be what the storage made of it.
 void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
   if (x.partial || x.set.empty()) return;
-  const auto interpolated =
-      std::find_if(floor.signals.begin(), floor.signals.end(),
-                   [](const SignalNoise& s) { return s.kind == NoiseKind::kInterpolated; });
+  const auto interpolated = std::ranges::find_if(
+      floor.signals, [](const SignalNoise& s) { return s.kind == NoiseKind::kInterpolated; });
   if (interpolated == floor.signals.end()) return;
   for (const auto& effect : x.model->effects) {
-    if (!effect->correct || std::find(x.set.begin(), x.set.end(), effect->id) == x.set.end()) continue;
+    if (!effect->correct || !Contains(x.set, effect->id)) continue;
     x.partial = true;
     x.doubt = Tell(
         "{} was stored at some rows only and drawn straight between them: that alone looks like {}",
@@ -127,9 +124,8 @@ void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
 /// What a valve itself does between its command and its spool is no delay of a signal.
 void DoubtForEcho(const LogStrokes& log, Explanation& x) {
   if (x.set.empty() || log.echoes.empty()) return;
-  const bool late = std::any_of(x.model->effects.begin(), x.model->effects.end(), [&](const auto& effect) {
-    return effect->correct && effect->unit == "s" &&
-           std::find(x.set.begin(), x.set.end(), effect->id) != x.set.end();
+  const bool late = std::ranges::any_of(x.model->effects, [&](const auto& effect) {
+    return effect->correct && effect->unit == "s" && Contains(x.set, effect->id);
   });
   if (!late) return;
   x.partial = true;

@@ -49,9 +49,7 @@ struct ExplainResult {
   Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
   SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
 
-  const Effect& effect(int index) const {
-    return *explanation.model->effects[static_cast<std::size_t>(index)];
-  }
+  const Effect& effect(int index) const { return *explanation.model->effects[index]; }
   /// nullptr if the library has no effect of this name.
   const Effect* FindEffect(const std::string& id) const;
   /// Nonlinear parameters of an effect of the explanation, SI.

@@ -28,8 +28,7 @@ std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {
   const std::vector<StrokeResiduals> base = residuals(x.base), extended = residuals(x.final);
   std::vector<std::size_t> order(base.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](auto a, auto b) { return RmsError(base[a]) < RmsError(base[b]); });
+  std::ranges::stable_sort(order, [&](auto a, auto b) { return RmsError(base[a]) < RmsError(base[b]); });
   std::vector<StrokeOverlay> overlays;
   const double step = result.log.window.block * result.log.window.period;
   for (const auto& [s, label] :

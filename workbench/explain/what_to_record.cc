@@ -8,8 +8,8 @@
 #include <set>
 #include <vector>
 
+#include "core/contains.h"
 #include "core/units.h"
-#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -75,7 +75,7 @@ Told Separating(const ExplainResult& result) {
     std::vector<Told> moves;
     for (std::size_t k = 1; k < group.size(); ++k) {
       const Told move = MoveFor(result, group.front(), group[k]);
-      if (std::find(moves.begin(), moves.end(), move) != moves.end()) continue;
+      if (Contains(moves, move)) continue;
       moves.push_back(move);
       text.push_back(Tell("To tell {} from {}, record {}.", "Um {} von {} zu trennen, aufzeichnen: {}.",
                           group.front(), group[k], move));

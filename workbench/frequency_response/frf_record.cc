@@ -161,4 +161,13 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
   return result;
 }
 
+Error NotMeasured(const std::string& what, const Error& why, const FrfRecord& record) {
+  const Told left_out = record.left_out > 0 ? Tell("; {} of {} rows were left out ({})",
+                                                   "; {} von {} Zeilen wurden ausgelassen ({})",
+                                                   record.left_out, record.rows, record.left_out_why)
+                                            : Told();
+  const Told told = Tell("{}: {}{}", "{}: {}{}", what, ToldOf(why), left_out);
+  return {why.kind, told.english, told.german};
+}
+
 }  // namespace hydroscope

@@ -33,6 +33,8 @@ struct FrfSignals {
 /// interpolated. Flags for standing still and spikes are not heeded: a command may pause, a fast sine jumps
 /// by nature.
 Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine, const FrfSignals& signals);
+/// `why` no response comes of the record of `what`, with the rows that were left out.
+Error NotMeasured(const std::string& what, const Error& why, const FrfRecord& record);
 /// Of the signals that [valve] names.
 Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machine);
 

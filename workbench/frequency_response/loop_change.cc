@@ -4,7 +4,6 @@
 
 #include "core/told_error.h"
 #include "models/closed_loop.h"
-#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -21,8 +20,8 @@ Result<LoopState> ReferenceState(const Machine& machine) {
   const auto count = static_cast<std::ptrdiff_t>(plant.parameters.size());
   LoopState state{{{}, Eigen::MatrixXd::Zero(count, count)}, std::nullopt};
   for (const LoopParameter& parameter : plant.parameters) {
-    const auto monitor = std::find_if(machine.monitors.begin(), machine.monitors.end(),
-                                      [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
+    const auto monitor = std::ranges::find_if(
+        machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
     const bool known = monitor != machine.monitors.end() && monitor->reference;
     if (!known && parameter.kind != LoopParameter::Kind::kDelay) {
       const Told needed = Tell(

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/told_error.h"
 #include "estimation/closed_loop/loop_episodes.h"
 #include "models/closed_loop.h"
 
@@ -17,14 +16,7 @@ Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, 
   LoopOptions as_known = options;
   as_known.known = ReferencesOf(machine);
   auto response = MeasureClosedLoop(log->record, model, as_known);
-  if (!response) {
-    const Told left_out = log->left_out > 0 ? Tell("; {} of {} rows were left out ({})",
-                                                   "; {} von {} Zeilen wurden ausgelassen ({})",
-                                                   log->left_out, log->rows, log->left_out_why)
-                                            : Told();
-    const Told why = Tell("{}: {}{}", "{}: {}{}", path, ToldOf(response.error()), left_out);
-    return tl::unexpected(Error{response.error().kind, why.english, why.german});
-  }
+  if (!response) return tl::unexpected(NotMeasured(path, response.error(), *log));
   return LoopLog{path, std::move(*log), std::move(model), std::move(*response)};
 }
 
@@ -33,8 +25,8 @@ std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& resp
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
   for (std::size_t i = 0; i < response.parameters.size(); ++i) {
     const LoopParameter& parameter = plant.parameters[i];
-    const auto limits = std::find_if(machine.monitors.begin(), machine.monitors.end(),
-                                     [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
+    const auto limits = std::ranges::find_if(
+        machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
     if (limits == machine.monitors.end()) continue;
     const double value = response.parameters[i].value;
     const auto say = [&](const std::optional<double>& limit, bool below, const Wording& what) {

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -18,7 +17,7 @@ namespace {
 constexpr std::size_t kRowsOfTable = 24;
 
 std::complex<double> DirectAt(const LoopResponse& response, const FrequencyPoint& point) {
-  return response.direct[static_cast<std::size_t>(&point - response.points.data())];
+  return response.direct[&point - response.points.data()];
 }
 
 std::string PointTable(const LoopResponse& response) {

@@ -65,7 +65,7 @@ struct CommandUnit {
 };
 CommandUnit UnitOfCommand(const Machine& machine) {
   const int index = machine.SignalIndex(machine.valve.input);
-  const std::string name = index < 0 ? "1" : machine.signals[static_cast<std::size_t>(index)].unit;
+  const std::string name = index < 0 ? "1" : machine.signals[index].unit;
   const auto unit = FindUnit(name);
   return {machine.valve.full_scale / (unit ? unit->scale : 1.0), name};
 }
@@ -121,7 +121,7 @@ nlohmann::json ValueJson(const ValueWithStd& v) { return {{"value", v.value}, {"
 double MedianAmplitude(const ValveLog& measured) {
   std::vector<double> amplitudes;
   for (const FrequencyPoint* p : measured.Used()) amplitudes.push_back(p->amplitude);
-  std::sort(amplitudes.begin(), amplitudes.end());
+  std::ranges::sort(amplitudes);
   return amplitudes.empty() ? 0 : amplitudes[amplitudes.size() / 2];
 }
 

@@ -83,8 +83,7 @@ std::vector<Estimate> Parameters(const ModelStructure& model, const ExtendedFit&
 
 double MeanOil(const std::vector<StrokeSummary>& strokes, std::int64_t first, std::int64_t last) {
   double sum = 0, count = 0;
-  const auto from = std::lower_bound(strokes.begin(), strokes.end(), first,
-                                     [](const StrokeSummary& s, std::int64_t at) { return s.index < at; });
+  const auto from = std::ranges::lower_bound(strokes, first, {}, &StrokeSummary::index);
   for (auto stroke = from; stroke != strokes.end() && stroke->index < last; ++stroke)
     if (std::isfinite(stroke->oil_temperature)) sum += stroke->oil_temperature, ++count;
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();

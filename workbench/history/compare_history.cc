@@ -3,7 +3,6 @@
 #include "core/non_negative.h"
 #include "workbench/compare_log.h"
 #include "workbench/explain/explain_history.h"
-#include "workbench/explain/explain_log.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {

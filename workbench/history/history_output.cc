@@ -87,8 +87,7 @@ std::string ChangedEffectsText(const ChangeResult& result) {
 
 bool AnyMoved(const ChangeResult& result) {
   const auto moved = [](const ValueChange& v) { return v.significant; };
-  return std::any_of(result.parameters.begin(), result.parameters.end(), moved) ||
-         std::any_of(result.effects.begin(), result.effects.end(), moved);
+  return std::ranges::any_of(result.parameters, moved) || std::ranges::any_of(result.effects, moved);
 }
 
 /// What explains part of an error whose cause is not named.

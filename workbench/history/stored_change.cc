@@ -32,8 +32,7 @@ double MeanOf(const double* first, const double* last) {
 /// Squares left by a straight line over x; infinite if x is not known everywhere or does not vary.
 double SquaresAboutLine(const std::vector<double>& x, const std::vector<double>& y) {
   const double none = std::numeric_limits<double>::infinity();
-  if (x.size() != y.size() || !std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); }))
-    return none;
+  if (x.size() != y.size() || !std::ranges::all_of(x, [](double v) { return std::isfinite(v); })) return none;
   const double mean_x = MeanOf(x.data(), x.data() + x.size()), mean_y = MeanOf(y.data(), y.data() + y.size());
   double xx = 0, xy = 0, yy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -56,8 +55,8 @@ std::vector<BlockSeries> SeriesOfParameters(const std::vector<BlockEstimates>& b
   for (const BlockEstimates& block : blocks)
     for (const Estimate& estimate : block.parameters) {
       if (estimate.reason != EstimateReason::kUpdated || !std::isfinite(estimate.value)) continue;
-      auto series = std::find_if(all.begin(), all.end(),
-                                 [&](const BlockSeries& s) { return s.parameter == estimate.parameter; });
+      auto series =
+          std::ranges::find_if(all, [&](const BlockSeries& s) { return s.parameter == estimate.parameter; });
       if (series == all.end()) series = all.insert(all.end(), {estimate.parameter, {}, {}, {}});
       series->values.push_back(estimate.value);
       series->oil.push_back(block.oil_temperature);

@@ -123,8 +123,8 @@ Status CheckUnits(StrokeHistory& history) {
           Tell("{}: a stored sum has {} columns, the model {}; the file is damaged",
                "{}: eine gespeicherte Summe hat {} Spalten, das Modell {}; die Datei ist beschädigt",
                history.database, columns, history.model->column_count()));
-    history.units.erase(history.units.begin() + static_cast<std::ptrdiff_t>(k));
-    history.unit_parts.erase(history.unit_parts.begin() + static_cast<std::ptrdiff_t>(k));
+    history.units.erase(history.units.begin() + k);
+    history.unit_parts.erase(history.unit_parts.begin() + k);
   }
   return {};
 }
@@ -208,7 +208,7 @@ Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::s
              path, path));
   std::vector<HistoryPart> parts;
   for (const std::string& name : names.empty() ? *known : names) {
-    if (std::find(known->begin(), known->end(), name) == known->end()) {
+    if (std::ranges::find(*known, name) == known->end()) {
       const std::string nearest = Nearest(name, *known);
       return BadInput(
           Tell("{} has no machine \"{}\"; it holds: {}{}", "{} hat keine Maschine „{}“; darin: {}{}", path,

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/quantile.h"
 
 namespace hydroscope {
@@ -125,7 +126,7 @@ OilDependence AnalyseOil(const std::vector<TrendSample>& blocks, bool measured) 
   oil.outcome = OilOutcome::kTooFewStrokes;
   const Series series = SeriesOf(blocks, true);
   if (series.value.size() < kLeastBlocksForOil) return oil;
-  const auto [coldest, warmest] = std::minmax_element(series.temperature.begin(), series.temperature.end());
+  const auto [coldest, warmest] = std::ranges::minmax_element(series.temperature);
   oil.coldest = *coldest;
   oil.warmest = *warmest;
   oil.warming = ThirdsDifference(series.temperature);
@@ -201,8 +202,8 @@ LimitCheck CheckPair(const std::vector<TrendSample>& samples, const std::optiona
 
 LimitCheck CheckLimits(const std::vector<TrendSample>& samples, const Machine& machine,
                        const std::string& parameter) {
-  const auto spec = std::find_if(machine.monitors.begin(), machine.monitors.end(),
-                                 [&](const MonitorSpec& m) { return m.parameter == parameter; });
+  const auto spec =
+      std::ranges::find_if(machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter; });
   if (spec == machine.monitors.end()) return {};
   const LimitCheck alarm = CheckPair(samples, spec->alarm_low, spec->alarm_high, LimitOutcome::kAlarmed);
   const LimitCheck warn = CheckPair(samples, spec->warn_low, spec->warn_high, LimitOutcome::kWarned);
@@ -222,8 +223,8 @@ std::optional<EstimateReason> WhyNot(const ParameterAnalysis& analysis) {
   if (analysis.samples.empty()) return std::nullopt;
   if (analysis.updated > 0)
     return analysis.samples.back().updated ? std::nullopt : std::optional(analysis.samples.back().reason);
-  const auto most = std::max_element(analysis.not_updated.begin(), analysis.not_updated.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::ranges::max_element(
+      analysis.not_updated, [](const auto& a, const auto& b) { return a.second < b.second; });
   return most == analysis.not_updated.end() ? std::nullopt : std::optional(most->first);
 }
 
@@ -290,7 +291,7 @@ double Duration(const RecordedHistory& history) {
   std::vector<std::int64_t> starts;
   for (const RunInfo& run : history.runs) starts.push_back(run.first_sequence);
   for (const StrokeSummary& stroke : history.strokes) {
-    if (std::find(starts.begin(), starts.end(), stroke.index) != starts.end()) close();
+    if (Contains(starts, stroke.index)) close();
     if (!std::isfinite(begin)) begin = stroke.begin;
     end = stroke.end;
   }
@@ -346,9 +347,8 @@ TestedValue ChangeSince(const std::vector<TrendSample>& samples, std::int64_t si
 }
 
 void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& parameters) {
-  auto found = std::find_if(parameters.begin(), parameters.end(), [&](const ParameterAnalysis& p) {
-    return p.parameter == point.estimate.parameter;
-  });
+  auto found = std::ranges::find_if(
+      parameters, [&](const ParameterAnalysis& p) { return p.parameter == point.estimate.parameter; });
   if (found == parameters.end()) {
     found = parameters.emplace(parameters.end());
     found->parameter = point.estimate.parameter;

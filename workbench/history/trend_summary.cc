@@ -60,8 +60,8 @@ std::optional<double> TrendChange::PercentStd() const {
 void TrendSummariser::Add(const TrendPoint& point) {
   AddSample(point, samples_);
   const Estimate& e = point.estimate;
-  auto summary = std::find_if(summaries_.begin(), summaries_.end(),
-                              [&](const TrendSummary& s) { return s.parameter == e.parameter; });
+  auto summary =
+      std::ranges::find_if(summaries_, [&](const TrendSummary& s) { return s.parameter == e.parameter; });
   if (summary == summaries_.end()) {
     summary = summaries_.emplace(summaries_.end());
     summary->parameter = e.parameter;
@@ -116,7 +116,7 @@ std::string Sparkline(const std::vector<double>& values, const std::vector<doubl
       continue;
     }
     const double share = height > 0 ? (mean - bottom) / height : 0.5;
-    line += kBars[static_cast<std::size_t>(std::clamp(share * kBars.size(), 0.0, kBars.size() - 1.0))];
+    line += kBars[std::clamp(share * kBars.size(), 0.0, kBars.size() - 1.0)];
   }
   return line;
 }

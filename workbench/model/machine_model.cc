@@ -1,11 +1,9 @@
 #include "workbench/model/machine_model.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/non_negative.h"
 #include "core/told_error.h"
-#include "core/units.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/remainder/tone_search.h"

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "core/counted_words.h"
 #include "core/short_number.h"
 #include "core/told_error.h"

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "host/text_file.h"
 #include "host/text_sink.h"
@@ -19,10 +20,7 @@
 namespace hydroscope {
 namespace {
 
-bool IsAdded(const Machine& machine, const std::string& id) {
-  return std::find(machine.added_effects.begin(), machine.added_effects.end(), id) !=
-         machine.added_effects.end();
-}
+bool IsAdded(const Machine& machine, const std::string& id) { return Contains(machine.added_effects, id); }
 
 std::string Trimmed(const std::string& line) {
   const auto first = line.find_first_not_of(" \t\r");
@@ -127,8 +125,8 @@ void AddRecords(const Machine& before, const std::optional<ModelEvidence>& evide
     return plain;
   };
   std::vector<ModelRecord>& history = next.model_history;
-  const auto known = std::find_if(history.begin(), history.end(),
-                                  [&](const ModelRecord& r) { return r.version == before.model_version; });
+  const auto known =
+      std::ranges::find_if(history, [&](const ModelRecord& r) { return r.version == before.model_version; });
   if (known == history.end()) {
     history.push_back(record(before, evidence_before));
   } else if (evidence_before) {
@@ -182,7 +180,7 @@ std::vector<KeptVersion> KeptVersions(const std::string& path) {
     if (number.size() > 8 || number.find_first_not_of("0123456789") != std::string::npos) continue;
     kept.push_back({std::stoi(number), (target.parent_path() / name).string()});
   }
-  std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.version < b.version; });
+  std::ranges::sort(kept, [](const auto& a, const auto& b) { return a.version < b.version; });
   return kept;
 }
 
@@ -195,7 +193,7 @@ int NextVersion(const std::string& path, const Machine& machine) {
 
 std::optional<KeptVersion> FindKept(const std::string& path, const Machine& machine, const Machine& wanted) {
   std::vector<KeptVersion> kept = KeptVersions(path);
-  std::reverse(kept.begin(), kept.end());
+  std::ranges::reverse(kept);
   for (const KeptVersion& candidate : kept) {
     const auto text = ReadTextFile(candidate.path);
     auto loaded = text ? ParseMachine(*text, path) : Result<Machine>(BadInput("cannot be read"));

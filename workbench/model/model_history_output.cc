@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/interval_text.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
@@ -45,7 +46,7 @@ std::string Staircase(const std::vector<ModelRecord>& history) {
     const auto mark = [&](double rms) { return static_cast<int>(std::lround(kBar * rms / most)); };
     std::string bar(static_cast<std::size_t>(mark(record.rms_holdout)), '#');
     bar.resize(kBar + 1, ' ');
-    bar[static_cast<std::size_t>(mark(record.noise_floor))] = '|';
+    bar[mark(record.noise_floor)] = '|';
     text +=
         fmt::format("  {:>3}  {:<{}} {:>8}  {}  {} strokes of {}\n", record.version, record.name, width,
                     ShortNumber(ShownError(record, record.rms_holdout)), bar, record.strokes, record.source);
@@ -59,8 +60,7 @@ std::string Parameters(const MachineKind& kind, const std::vector<const ModelRec
       1);  // the names, then of each version its number and its values
   for (const ModelRecord* record : judged)
     for (const RecordedValue& value : record->parameters)
-      if (std::find(columns[0].begin(), columns[0].end(), value.name) == columns[0].end())
-        columns[0].push_back(value.name);
+      if (!Contains(columns[0], value.name)) columns[0].push_back(value.name);
   columns[0].insert(columns[0].begin(), "");
   for (const ModelRecord* record : judged) {
     std::vector<std::string>& column = columns.emplace_back();

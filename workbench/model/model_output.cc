@@ -12,7 +12,6 @@
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/expressions/user_effect.h"
-#include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
 
@@ -21,8 +20,7 @@ namespace {
 
 std::vector<std::string> NeededSignals(const MachineKind& kind, const Effect& effect) {
   std::vector<std::string> names;
-  for (const int channel : effect.channels)
-    names.emplace_back(kind.channels[static_cast<std::size_t>(channel)]);
+  for (const int channel : effect.channels) names.emplace_back(kind.channels[channel]);
   return names;
 }
 

@@ -80,7 +80,7 @@ nlohmann::json SignalsJson(const StatesExplained& e, const TriedRecord& tried) {
   nlohmann::json signals = nlohmann::json::array();
   const Machine& machine = e.log.machine;
   for (const RecordMove::Levels& levels : tried.move.inputs)
-    signals.push_back({{"signal", machine.signals[static_cast<std::size_t>(levels.signal)].name},
+    signals.push_back({{"signal", machine.signals[levels.signal].name},
                        {"speed", false},
                        {"levels", {{levels.from, levels.to}}}});
   if (!tried.move.course) return signals;

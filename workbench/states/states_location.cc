@@ -27,12 +27,12 @@ std::vector<OutputErrors> LocateErrors(const StateFit& fit, std::span<const Epis
   if (!left.structured) options.floor_excess = std::numeric_limits<double>::infinity();
   std::vector<int> worst_first(static_cast<std::size_t>(fit.model->output.rows));
   std::iota(worst_first.begin(), worst_first.end(), 0);
-  std::stable_sort(worst_first.begin(), worst_first.end(),
-                   [&](int a, int b) { return fit.noise[a] / fit.scale[a] > fit.noise[b] / fit.scale[b]; });
+  std::ranges::stable_sort(
+      worst_first, [&](int a, int b) { return fit.noise[a] / fit.scale[a] > fit.noise[b] / fit.scale[b]; });
   const Machine& machine = fit.model->machine;
   std::vector<OutputErrors> out;
   for (const int j : worst_first) {
-    const std::string& name = machine.states.outputs[static_cast<std::size_t>(j)].signal;
+    const std::string& name = machine.states.outputs[j].signal;
     out.push_back({name, DisplayUnitFor(SiOf(machine, name)), ResidualsOf(fit, episodes, j, left), {}});
     out.back().location = Locate(out.back().residuals, options);
   }

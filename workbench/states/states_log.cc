@@ -57,8 +57,8 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   for (const Episode& episode : episodes) {
     const auto signals = static_cast<Eigen::Index>(model.machine.signals.size());
     for (Eigen::Index s = 0; s < std::min(signals, episode.signal.cols()); ++s)
-      registers[static_cast<std::size_t>(s)] = episode.Reading(0, static_cast<int>(s));
-    std::copy(fit.parameters.begin(), fit.parameters.end(), registers.begin() + signals);
+      registers[s] = episode.Reading(0, static_cast<int>(s));
+    std::ranges::copy(fit.parameters, registers.begin() + signals);
     model.initial.values.RunFixed(registers.data());
     model.initial.values.Run(registers.data());
     for (int i = 0; i < model.states(); ++i) {
@@ -70,8 +70,8 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   }
   std::vector<Told> warnings;
   for (int i = 0; i < model.states(); ++i)
-    if (const int count = outside[static_cast<std::size_t>(i)]; count > 0) {
-      const StateSpec& state = model.machine.states.states[static_cast<std::size_t>(i)];
+    if (const int count = outside[i]; count > 0) {
+      const StateSpec& state = model.machine.states.states[i];
       warnings.push_back(Tell(
           "initial = \"{}\" of {} is outside of its limits in {} of {} episodes, which begin at the limit; check unit, "
           "zero and limits",
@@ -103,7 +103,7 @@ bool HasStates(const std::string& machine_file) {
 std::vector<Estimate> EstimatesOf(const StateFit& fit) {
   std::vector<Estimate> out;
   for (int p = 0; p < fit.model->parameter_count(); ++p) {
-    const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
+    const StateParameter& parameter = fit.model->parameters[p];
     Estimate e;
     e.parameter = parameter.name;
     e.value = fit.parameters[p];
@@ -117,8 +117,7 @@ std::vector<Estimate> EstimatesOf(const StateFit& fit) {
         e.reason = unseen.parts.size() == 1 ? EstimateReason::kNotExcited : EstimateReason::kConfounded;
         e.excitation = 0;
       }
-    if (fit.at_limit[static_cast<std::size_t>(p)] && e.reason == EstimateReason::kUpdated)
-      e.reason = EstimateReason::kOutsidePhysics;
+    if (fit.at_limit[p] && e.reason == EstimateReason::kUpdated) e.reason = EstimateReason::kOutsidePhysics;
     out.push_back(std::move(e));
   }
   return out;
@@ -285,10 +284,9 @@ Status WriteStatesCsv(const StatesFit& fit, const std::string& path) {
     const Episode& episode = fit.log.episodes[e];
     const StateRun& run = fit.fit.runs[e];
     for (int row = 0; row < episode.rows(); ++row) {
-      fmt::format_to(out, "{},{},{:.9g}", episode.log, e, episode.time[static_cast<std::size_t>(row)]);
+      fmt::format_to(out, "{},{},{:.9g}", episode.log, e, episode.time[row]);
       for (int j = 0; j < model.output.rows; ++j)
-        fmt::format_to(out, ",{:.9g},{:.9g}", episode.signal(row, model.outputs[static_cast<std::size_t>(j)]),
-                       run.outputs(row, j));
+        fmt::format_to(out, ",{:.9g},{:.9g}", episode.signal(row, model.outputs[j]), run.outputs(row, j));
       for (int i = 0; i < model.states(); ++i) fmt::format_to(out, ",{:.9g}", run.states(row, i));
       csv += "\n";
     }

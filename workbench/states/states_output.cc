@@ -13,6 +13,7 @@
 #include "core/counted_words.h"
 #include "core/effect_units.h"
 #include "core/interval_text.h"
+#include "core/json_value.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
 #include "models/machine_kind.h"
@@ -110,7 +111,7 @@ nlohmann::json OutputsJson(const StateFit& fit) {
   nlohmann::json out = nlohmann::json::object();
   for (int j = 0; j < fit.model->output.rows; ++j) {
     const auto at = static_cast<std::size_t>(j);
-    const SignalSpec& signal = fit.model->machine.signals[static_cast<std::size_t>(fit.model->outputs[at])];
+    const SignalSpec& signal = fit.model->machine.signals[fit.model->outputs[at]];
     const auto unit = FindUnit(signal.unit);
     out[signal.name] = {{"rms_residual", fit.noise[j]},
                         {"rms_signal", fit.scale[j]},
@@ -124,7 +125,7 @@ nlohmann::json MinimaJson(const StateFit& fit) {
   for (const StateMinimum& minimum : fit.minima) {
     nlohmann::json values = nlohmann::json::object();
     for (Eigen::Index p = 0; p < minimum.parameters.size(); ++p)
-      values[fit.model->parameters[static_cast<std::size_t>(p)].name] = minimum.parameters[p];
+      values[fit.model->parameters[p].name] = minimum.parameters[p];
     out.push_back({{"error_ratio", minimum.cost}, {"starts", minimum.starts}, {"parameters", values}});
   }
   return out;
@@ -140,7 +141,7 @@ nlohmann::json InitialJson(const StatesFit& fit) {
   for (const Eigen::VectorXd& x0 : fit.fit.initial) {
     nlohmann::json states = nlohmann::json::object();
     for (int i = 0; i < fit.fit.model->states(); ++i)
-      states[fit.fit.model->machine.states.states[static_cast<std::size_t>(i)].name] = x0[i];
+      states[fit.fit.model->machine.states.states[i].name] = x0[i];
     out.push_back(states);
   }
   return out;
@@ -238,8 +239,7 @@ std::vector<std::string> BaseParameterTexts(const StatesFit& fit) {
 std::vector<std::string> UnseenTexts(const StatesFit& fit) {
   std::vector<std::string> texts;
   const LinearForm form = LinearFormOf(fit.log.machine);
-  for (const int column : fit.linear->base.unseen)
-    texts.push_back(form.parameters[static_cast<std::size_t>(column)]);
+  for (const int column : fit.linear->base.unseen) texts.push_back(form.parameters[column]);
   return texts;
 }
 
@@ -257,8 +257,7 @@ nlohmann::json LinearJson(const StatesFit& fit) {
   if (!fit.linear || !fit.linear->solved()) return nullptr;
   nlohmann::json parameters;
   for (std::size_t k = 0; k < fit.linear->parameters.size(); ++k)
-    parameters[fit.linear->parameters[k]] = {{"value", fit.linear->value[static_cast<Eigen::Index>(k)]},
-                                             {"std", fit.linear->std[static_cast<Eigen::Index>(k)]}};
+    parameters[fit.linear->parameters[k]] = {{"value", fit.linear->value[k]}, {"std", fit.linear->std[k]}};
   return {{"base", BaseParameterTexts(fit)},
           {"not_seen", UnseenTexts(fit)},
           {"condition", fit.linear->base.condition},
@@ -326,9 +325,8 @@ std::string CompareText(const StatesFit& fit) {
   std::size_t width = 12;
   for (const auto& output : outputs) width = std::max(width, output.signal.size());
   for (int j = 0; j < fit.fit.noise.size(); ++j)
-    text +=
-        fmt::format("  {:<{}} error {:.2g} % of its variation\n", outputs[static_cast<std::size_t>(j)].signal,
-                    width, 100 * fit.fit.noise[j] / fit.fit.scale[j]);
+    text += fmt::format("  {:<{}} error {:.2g} % of its variation\n", outputs[j].signal, width,
+                        100 * fit.fit.noise[j] / fit.fit.scale[j]);
   text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit)) + LocatedText(fit.located);
   if (fit.left.structured)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
@@ -422,8 +420,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
          {"gain", c.gain}});
   }
   for (const auto& [added, error] : x.steps)
-    steps.push_back({{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
-                     {"rms_holdout", e.base.unit.factor * error}});
+    steps.push_back({{"added", JsonOrNull(added)}, {"rms_holdout", e.base.unit.factor * error}});
   const std::optional<Told> record = StatesToRecord(e);
   for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
   const std::vector<Told> warnings = ExplainWarnings(e);

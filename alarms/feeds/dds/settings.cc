@@ -1,7 +1,5 @@
 #include "alarms/feeds/dds/settings.h"
 
-#include <fmt/format.h>
-
 #include "alarms/feeds/list.h"
 #include "models/machine_file/sections.h"
 

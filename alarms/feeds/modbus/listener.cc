@@ -121,8 +121,8 @@ class Listener : public ModbusListener {
     const std::uint32_t address = ntohl(from.sin_addr.s_addr);
     char text[INET_ADDRSTRLEN] = "";
     inet_ntop(AF_INET, &from.sin_addr, text, sizeof text);
-    const bool allowed = std::any_of(allow_.begin(), allow_.end(),
-                                     [&](const Ipv4Range& range) { return range.Contains(address); });
+    const bool allowed =
+        std::ranges::any_of(allow_, [&](const Ipv4Range& range) { return range.Contains(address); });
     if (!allowed) {
       Count(refused_, text, "is not among [feeds.modbus] allow");
       return true;
@@ -140,10 +140,9 @@ class Listener : public ModbusListener {
 
   /// False: all of them ask for something now and then. Who never did goes first.
   bool EndTheMostIdle(std::int64_t now) {
-    const auto idlest =
-        std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
-          return std::pair(a.asked, a.last_request) < std::pair(b.asked, b.last_request);
-        });
+    const auto idlest = std::ranges::min_element(clients_, [](const Client& a, const Client& b) {
+      return std::pair(a.asked, a.last_request) < std::pair(b.asked, b.last_request);
+    });
     if (now - idlest->last_request < (idlest->asked ? kIdleGivesWay : kHalfRequestAllowed)) return false;
     clients_.erase(idlest);
     ++gave_way_;

@@ -108,7 +108,7 @@ class ModbusFeed : public Feed {
       numbers_.Add(row.machine, row.event.alarm);
       number = numbers_.NumberOf(row.machine, row.event.alarm);
       newest_about_.resize(static_cast<std::size_t>(numbers_.size()) + 1);
-      newest_about_[static_cast<std::size_t>(number)] = row.sequence;
+      newest_about_[number] = row.sequence;
     }
     image_.ShowRow(row, number, reader_.AxisNumber(row.machine));
     cursor_ = row.sequence;
@@ -126,7 +126,7 @@ class ModbusFeed : public Feed {
         if (of_alarm == 0) continue;
         counts_.standing += StateName(alarm) != register_map::kStateCodes[0];
         counts_.unacknowledged += !alarm.acknowledged;
-        image_.ShowAlarm(of_alarm, number, alarm, newest_about_[static_cast<std::size_t>(of_alarm)]);
+        image_.ShowAlarm(of_alarm, number, alarm, newest_about_[of_alarm]);
       }
     }
   }

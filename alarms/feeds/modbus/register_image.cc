@@ -15,7 +15,7 @@ using namespace register_map;
 /// Place in a list of codes; 0 if it is not there.
 template <typename Codes, typename Value>
 std::uint16_t CodeOf(const Codes& codes, const Value& value) {
-  const auto found = std::find(codes.begin(), codes.end(), value);
+  const auto found = std::ranges::find(codes, value);
   return found == codes.end() ? std::uint16_t{0} : static_cast<std::uint16_t>(found - codes.begin());
 }
 
@@ -87,9 +87,8 @@ void RegisterImage::ShowAxis(int axis, const AxisPicture& picture, double now) {
   ShowHealth(axis, picture.health);
   registers_[first + kParameters] = static_cast<std::uint16_t>(shown);
   registers_[first + kStrokeAge] = stroke ? Seconds16(now - picture.estimates[0].time) : std::uint16_t{65535};
-  registers_[first + kAxisStanding] = static_cast<std::uint16_t>(
-      std::count_if(picture.alarms.begin(), picture.alarms.end(),
-                    [](const AlarmState& a) { return StateName(a) != kStateCodes[0]; }));
+  registers_[first + kAxisStanding] = static_cast<std::uint16_t>(std::ranges::count_if(
+      picture.alarms, [](const AlarmState& a) { return StateName(a) != kStateCodes[0]; }));
   Put32(first + kStrokes, static_cast<std::uint64_t>(picture.strokes));
   PutFloat(first + kOilTemperature,
            stroke ? picture.estimates[0].oil_temperature - kZeroCelsius : std::nan(""));
@@ -158,7 +157,7 @@ void RegisterImage::ShowHead(const Counts& counts, double wall) {
   constexpr std::array<std::uint16_t, 11> kParts = {
       kFirstAxis,  kAxisStride,  kFirstParameter, kParameterStride, kFirstAlarm, kAlarmStride,
       kMostAlarms, kFirstRecord, kRecordWidth,    kRingRecords,     kAcknowledge};
-  std::copy(kParts.begin(), kParts.end(), registers_.begin() + kLayout);
+  std::ranges::copy(kParts, registers_.begin() + kLayout);
 }
 
 void RegisterImage::ShowAcknowledge(std::uint16_t number, std::uint16_t outcome) {

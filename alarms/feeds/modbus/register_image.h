@@ -20,9 +20,7 @@ class AlarmNumbers {
   int NumberOf(const std::string& machine, const std::string& alarm) const;
   int size() const { return static_cast<int>(alarms_.size()); }
   /// Machine and alarm of a number from 1 to size().
-  const std::pair<std::string, std::string>& operator[](int number) const {
-    return alarms_[static_cast<std::size_t>(number - 1)];
-  }
+  const std::pair<std::string, std::string>& operator[](int number) const { return alarms_[number - 1]; }
 
  private:
   std::vector<std::pair<std::string, std::string>> alarms_;

@@ -88,7 +88,7 @@ bool ModbusConversation::Receive(std::span<const std::uint8_t> bytes, const Modb
       const std::size_t next = size_ < kCountedFrom ? kCountedFrom : wanted;
       const std::size_t taken = std::min(bytes.size(), next - size_);
       if (taken == 0) return true;
-      std::copy_n(bytes.begin(), taken, frame_.begin() + static_cast<std::ptrdiff_t>(size_));
+      std::copy_n(bytes.begin(), taken, frame_.begin() + size_);
       bytes = bytes.subspan(taken);
       size_ += taken;
       continue;

@@ -1,7 +1,5 @@
 #include "alarms/feeds/modbus/settings.h"
 
-#include <fmt/format.h>
-
 #include "alarms/feeds/list.h"
 #include "models/ipv4_range.h"
 #include "models/machine_file/sections.h"

@@ -1,7 +1,5 @@
 #include "alarms/feeds/sparkplug/settings.h"
 
-#include <fmt/format.h>
-
 #include "alarms/feeds/list.h"
 #include "models/machine_file/sections.h"
 

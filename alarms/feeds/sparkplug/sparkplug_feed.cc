@@ -226,7 +226,7 @@ class SparkplugFeed : public Feed {
   /// Tells axes that changed; one that has something its birth did not announce is born again.
   Status TellAxes() {
     const std::int64_t now = Now();
-    const bool news = std::any_of(spoken_of_.begin(), spoken_of_.end(), [&](const auto& axis) {
+    const bool news = std::ranges::any_of(spoken_of_, [&](const auto& axis) {
       const auto& known = announced_[axis.first].alarms;
       return !std::includes(known.begin(), known.end(), axis.second.begin(), axis.second.end());
     });
@@ -238,8 +238,8 @@ class SparkplugFeed : public Feed {
       Announced& announced = announced_[axis.machine];
       const auto& spoken = spoken_of_[axis.machine];
       const bool unknown =
-          std::any_of(
-              axis.estimates.begin(), axis.estimates.end(),
+          std::ranges::any_of(
+              axis.estimates,
               [&](const TrendPoint& p) { return !announced.parameters.contains(p.estimate.parameter); }) ||
           !std::includes(announced.alarms.begin(), announced.alarms.end(), spoken.begin(), spoken.end());
       if (unknown) {

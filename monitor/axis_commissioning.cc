@@ -1,0 +1,152 @@
+// How an AxisMonitor learns the healthy machine: by itself from the first strokes, or from those somebody names.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/told_error.h"
+#include "monitor/axis_alarms.h"
+#include "monitor/axis_monitor.h"
+#include "monitor/learning_check.h"
+
+namespace hydroscope {
+namespace {
+
+/// First stroke of a machine from `sequence` on whose Gram may have so many columns, by what is stored of each run: a long history of
+/// another model need not be read.
+Result<std::int64_t> NextWithColumns(const Database& database, std::int64_t machine, int columns,
+                                     std::int64_t sequence) {
+  const auto runs = database.Runs(machine);
+  if (!runs) return tl::unexpected(runs.error());
+  std::map<int, bool> fits;  // by version
+  for (const RunInfo& run : *runs) {
+    const std::int64_t end = run.first_sequence + run.strokes;
+    if (end <= sequence) continue;
+    if (!fits.contains(run.model_version)) {
+      const auto version = database.GetModelVersion(machine, run.model_version);
+      if (!version) return tl::unexpected(version.error());
+      fits[run.model_version] =
+          version->columns.empty() || static_cast<int>(version->columns.size()) == columns;
+    }
+    if (fits[run.model_version]) return std::max(sequence, run.first_sequence);
+    sequence = end;
+  }
+  return sequence;
+}
+
+}  // namespace
+
+Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64_t first,
+                                                                      std::int64_t count) const {
+  const auto stored = Load(first, count);
+  if (!stored) return tl::unexpected(stored.error());
+  std::vector<drift::StrokeEvidence> strokes;
+  for (const Stored& stroke : *stored) {
+    drift::StrokeEvidence evidence = EvidenceOf(stroke);
+    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
+  }
+  return strokes;
+}
+
+/// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them
+/// is stored twice.
+Result<bool> AxisMonitor::CollectForLearning() {
+  while (static_cast<int>(collected_.size()) < rules_.commissioning) {
+    const auto next = NextWithColumns(database_, machine_id_, columns_, collected_to_);
+    if (!next) return tl::unexpected(next.error());
+    collected_to_ = *next;
+    const auto chunk = Load(collected_to_, kStrokesPerChange);
+    if (!chunk) return tl::unexpected(chunk.error());
+    if (chunk->empty()) return false;
+    for (const Stored& stroke : *chunk) {
+      collected_to_ = stroke.sequence + 1;
+      drift::StrokeEvidence evidence = EvidenceOf(stroke);
+      if (Learnable(evidence)) collected_.push_back(std::move(evidence));
+      if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
+    }
+  }
+  return true;
+}
+
+/// True once a reference is there.
+Result<bool> AxisMonitor::Commission(double wall) {
+  const auto enough = CollectForLearning();
+  if (!enough || !*enough) return enough;
+  if (!rules_.automatic || !why_not_learned_.empty()) return false;
+  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
+  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
+    why_not_learned_ =
+        Tell("nothing is learned from {} {} to {}: {}", "aus {} {} bis {} wird nichts gelernt: {}",
+             counted().Many(), part.first, part.last - 1, doubt->text);
+    return false;
+  }
+  const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
+  if (learned) return true;
+  if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
+  // These strokes do not tell the parameters apart: the older half makes room for others.
+  collected_.erase(collected_.begin(), collected_.begin() + collected_.size() / 2);
+  return Commission(wall);
+}
+
+Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
+                              const AlarmUser& user) {
+  const auto latest = journal_.LatestReference(machine_.name);
+  if (!latest) return tl::unexpected(latest.error());
+  auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
+  if (!reference) return tl::unexpected(reference.error());
+  const drift::StrokeEvidence& newest = strokes.back();
+  const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
+      database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
+      {});
+  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
+  unreadable_ = false;
+  return Change(wall, [&](AxisContent& axis) {
+    for (AlarmState& alarm : axis.alarms)
+      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
+    AppendReference(*reference, strokes, user, axis);
+    if (!doubts.empty())
+      axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;
+    axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
+    monitor_.emplace(*model_, rules_, std::move(*reference));
+    history_.EndAll(last_.stroke, last_.time);
+    next_ = next;
+  });
+}
+
+/// A new version of the reference with its event.
+void AxisMonitor::AppendReference(const drift::Reference& reference,
+                                  const std::vector<drift::StrokeEvidence>& strokes, const AlarmUser& user,
+                                  AxisContent& content) const {
+  AlarmEvent event;
+  event.event = "reference_learned";
+  event.time = strokes.back().time;
+  event.stroke = strokes.back().sequence;
+  event.oil_temperature = strokes.back().oil_temperature;
+  event.reference_version = reference.version();
+  event.user = user.name;
+  event.comment = user.comment;
+  event.first_stroke = strokes.front().sequence;
+  event.last_stroke = strokes.back().sequence;
+  event.text =
+      fmt::format("reference {} learned from {} {}", reference.version(), strokes.size(), counted().many);
+  ByteWriter bytes;
+  reference.Save(bytes);
+  content.references.push_back({reference.version(), event.first_stroke, event.last_stroke, bytes.Take()});
+  content.events.push_back(std::move(event));
+}
+
+Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
+  if (!model_) return tl::unexpected(model_.error());
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  auto strokes = LoadLearnable(first, last - first);
+  if (!strokes) return tl::unexpected(strokes.error());
+  if (strokes->empty())
+    return BadInput(
+        Tell("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
+             "{0}: aus {2} bis {3} lässt sich nichts lernen: nichts gespeichert, oder das Öl war zu kalt",
+             machine_.name, counted().one, first, last - 1));
+  const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
+  return LearnFrom(std::move(*strokes), next, wall, user);
+}
+
+}  // namespace hydroscope
