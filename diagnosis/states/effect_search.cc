@@ -355,6 +355,49 @@ class EffectSearch {
            std::max(out_.base.held_out - out_.final.held_out, 1e-300);
   }
 
+  /// Energy that functions predict of what the set leaves, of what one of its several effects takes away beside the others.
+  double LeftOf(const std::string& id) {
+    if (out_.final.added.size() == 1 || !out_.final_left.structured) return 0;
+    const StateCandidate& without = Without(id);
+    if (!without.fitted()) return 0;
+    return out_.final_left.least_share * out_.final.held_out /
+           std::max(without.held_out - out_.final.held_out, 1e-300);
+  }
+
+  /// Of several effects those may stand in for a law that nobody has named beside which functions predict much of what they take
+  /// away. Where fewer effects are complete as well, these are what is found.
+  void DropStandIns() {
+    while (levels_.size() > 2) {
+      const auto& added = out_.final.added;
+      const auto weak = std::find_if(added.begin(), added.end(), [this](const std::string& id) {
+        return LeftOf(id) > options_.left_share;
+      });
+      if (weak == added.end()) return;
+      const StateCandidate all = out_.final;
+      const StateRemainder left_by_all = out_.final_left;
+      std::vector<StateCandidate> level = std::move(levels_.back());
+      levels_.pop_back();
+      out_.final = levels_.back().front();
+      out_.final_left = Left(out_.final.fit);
+      if (!Complete()) {
+        levels_.push_back(std::move(level));
+        out_.final = all;
+        out_.final_left = left_by_all;
+        Complete();
+        return;
+      }
+      without_.clear();
+      for (const std::string& id : all.added) {
+        if (std::find(out_.final.added.begin(), out_.final.added.end(), id) != out_.final.added.end())
+          continue;
+        out_.nearest.push_back(id);
+        const double removed = out_.final.held_out - all.held_out;
+        out_.warnings.push_back(
+            MayStandIn(id, left_by_all.least_share * all.held_out / std::max(removed, 1e-300)));
+      }
+    }
+  }
+
   /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, the others
   /// may stand in for the rest of such a law: nothing is named.
   void LeaveOutUnspecific() {
@@ -362,13 +405,14 @@ class EffectSearch {
     bool leans = false;
     for (const std::string& id : out_.final.added) {
       const std::optional<LikeFunction> like = FunctionFor(id);
-      if (!like) {
+      const double left = LeftOf(id);
+      if (!like && left <= options_.left_share) {
         named.push_back(id);
         continue;
       }
       leans = leans || ShareOf(id) > options_.leans_share;
       out_.nearest.push_back(id);
-      out_.warnings.push_back(NotToldFrom(id, *like));
+      out_.warnings.push_back(like ? NotToldFrom(id, *like) : MayStandIn(id, left));
     }
     if (leans)
       out_.nearest = out_.final.added;
@@ -429,6 +473,7 @@ class EffectSearch {
       return;
     }
     const bool complete = out_.final.added.empty() || Complete() || CompleteWithFewer();
+    if (complete) DropStandIns();
     TellDynamics();
     TellDrift();
     if (!complete) {

@@ -125,6 +125,23 @@ parameters = { more = { start = 0.1, min = 0, max = 1, unit = "m/s" } }
   EXPECT_EQ(x.not_seen, expected);
 }
 
+double BentWithSteep(double u) { return 0.8 * u * std::abs(u) - 0.06 * std::tanh(12 * u); }
+
+/// A small law beside the one that is found has the shape of nothing in the file: what comes near to it is not named.
+TEST(ExplainStates, WhatStandsInForASmallLawBesideTheOneFoundIsNotNamed) {
+  const Machine machine = PushedMachine(std::string(kPushedCylinder) + R"toml([[effect]]
+id = "round_edge"
+adds = { x = "e*tanh(3*u)" }
+parameters = { e = { start = 0, min = -1, max = 1, unit = "m/s" } }
+)toml",
+                                        0);
+  const Episode episode = PushedLog(BentWithSteep, {});
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
+  EXPECT_TRUE(x.partial);
+  EXPECT_FALSE(x.nearest.empty());
+}
+
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.
 TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
   const std::string_view all = kPushedCylinder;

@@ -48,4 +48,13 @@ Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
       effect, like.about, like.equation);
 }
 
+Told MayStandIn(const std::string& effect, double share) {
+  return Tell(
+      "{} would explain a further part of the error, but functions of states and inputs still predict as much as {:.0f} % of it: "
+      "a law that is not in the machine file may be what it stands in for",
+      "{} würde einen weiteren Teil des Fehlers erklären, doch Funktionen von Zuständen und Eingängen sagen noch so viel wie "
+      "{:.0f} % davon voraus: es kann für ein Gesetz stehen, das nicht in der Maschinendatei ist",
+      effect, 100 * share);
+}
+
 }  // namespace hydroscope

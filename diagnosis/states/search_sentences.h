@@ -19,5 +19,7 @@ Told MayBeMissing(const StateRemainder& left);
 Told MoreIsSlow(double share);
 /// A weak effect that a function without a name could stand in for.
 Told NotToldFrom(const std::string& effect, const LikeFunction& like);
+/// One of several effects takes away so little that what is left may be of the law it stands in for; `share`: left of that.
+Told MayStandIn(const std::string& effect, double share);
 
 }  // namespace hydroscope
