@@ -7,6 +7,7 @@
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "core/constants.h"
+#include "core/short_number.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -64,8 +65,8 @@ std::string LearnedText(const nlohmann::json& learned, const Machine& machine) {
   for (const auto& curve : learned.at("curves")) {
     const auto quantity = curve.at("quantity").get<std::string>(), si = curve.at("unit").get<std::string>();
     const DisplayUnit unit = ParameterUnit(KindOf(machine), quantity, si);
-    text += fmt::format("  {:<6} {:>10.4g} {:<6}", quantity,
-                        curve.at("value").get<double>() * unit.factor + unit.offset,
+    text += fmt::format("  {:<6} {:>10} {:<6}", quantity,
+                        ShortNumber(curve.at("value").get<double>() * unit.factor + unit.offset, 4),
                         unit.name == "-" ? "" : unit.name);
     const double from = curve.at("from_K").get<double>(), to = curve.at("to_K").get<double>();
     if (std::isfinite(from))  // oil temperature is measured

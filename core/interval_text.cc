@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/effect_units.h"
+#include "core/short_number.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -26,7 +27,7 @@ std::string Fixed(double value, int decimals) {
 }  // namespace
 
 std::string WithInterval(double value, double half_width) {
-  if (!std::isfinite(half_width)) return fmt::format("{:.4g} ± ?", value);
+  if (!std::isfinite(half_width)) return ShortNumber(value, 4) + " ± ?";
   if (const double size = std::max(std::abs(value), std::abs(half_width));
       std::isfinite(size) && !ReadsWithoutExponent(size)) {
     const int exponent = static_cast<int>(std::floor(std::log10(size)));
@@ -38,7 +39,7 @@ std::string WithInterval(double value, double half_width) {
       leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
   const std::string half = Fixed(half_width, decimals);
   const bool vanishes = half_width != 0 && half.find_first_of("123456789") == std::string::npos;
-  return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? fmt::format("{:.0e}", half_width) : half);
+  return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? ShortNumber(half_width, 1) : half);
 }
 
 std::string ChangeWithInterval(double change, double half_width) {

@@ -19,7 +19,7 @@ TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
 TEST(WithInterval, AnIntervalThatIsThereNeverReadsAsZero) {
   EXPECT_EQ(WithInterval(0.012, 2.7e-7), "0.0120000 ± 0.0000003");
   EXPECT_EQ(WithInterval(1017, 0.024), "1017.00 ± 0.02");
-  EXPECT_EQ(WithInterval(12202, 0.001), "12202.0 ± 1e-03");
+  EXPECT_EQ(WithInterval(12202, 0.001), "12202.0 ± 0.001");
 }
 
 TEST(ChangeWithInterval, ARiseHasItsSign) {

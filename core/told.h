@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/short_number.h"
+
 namespace hydroscope {
 
 /// What the program tells people, in the languages of its page. Tell() writes both from the same values where the sentence is
@@ -39,9 +41,10 @@ struct Wording {
 
 namespace told {
 
-/// A number that is written with a decimal comma.
-struct GermanNumber {
+/// A number in a sentence, and the mark before its decimals.
+struct Number {
   double value = 0;
+  char point = '.';
 };
 
 inline const std::string& English(const Told& part) { return part.english; }
@@ -57,7 +60,8 @@ template <class T>
 const T& German(const T& value) {
   return value;
 }
-inline GermanNumber German(const double& value) { return {value}; }
+inline Number English(const double& value) { return {value}; }
+inline Number German(const double& value) { return {value, ','}; }
 template <class It, class End>
 std::string English(const fmt::join_view<It, End>& list) {
   return fmt::format("{}", fmt::join_view(list));
@@ -92,14 +96,14 @@ Told Joined(const std::vector<Told>& parts, std::string_view between = ", ");
 }  // namespace hydroscope
 
 template <>
-struct fmt::formatter<hydroscope::told::GermanNumber> : fmt::formatter<double> {
-  auto format(const hydroscope::told::GermanNumber& number, fmt::format_context& context) const {
+struct fmt::formatter<hydroscope::told::Number> : fmt::formatter<double> {
+  auto format(const hydroscope::told::Number& number, fmt::format_context& context) const {
     fmt::memory_buffer written;
     fmt::format_context inner(fmt::appender(written), {}, context.locale());
     fmt::formatter<double>::format(number.value, inner);
-    for (char& c : written)
-      if (c == '.') c = ',';
-    return std::copy(written.begin(), written.end(), context.out());
+    std::string read = hydroscope::AsPeopleRead(fmt::to_string(written), number.value);
+    std::replace(read.begin(), read.end(), '.', number.point);
+    return std::copy(read.begin(), read.end(), context.out());
   }
 };
 

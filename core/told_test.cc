@@ -12,6 +12,13 @@ TEST(Told, BothLanguagesAreWrittenFromTheSameValues) {
   EXPECT_EQ(told.german, "K liegt bei 12,25 ± 0,5 bar, über der Grenze");
 }
 
+TEST(Told, NumbersHaveNoExponentWherePeopleReadTheDigits) {
+  const Told told = Tell("{:.2g} % of {:.3g} N, {:+.2g}, {:.3g} m3",
+                         "{:.2g} % von {:.3g} N, {:+.2g}, {:.3g} m3", 632.0, 23456.0, 1234.0, 2.5e-5);
+  EXPECT_EQ(told.english, "632 % of 23456 N, +1234, 2.5e-5 m3");
+  EXPECT_EQ(told.german, "632 % von 23456 N, +1234, 2,5e-5 m3");
+}
+
 TEST(Told, GermanMayNameValuesInAnotherOrder) {
   const Told told = Tell("{} of {} strokes", "von {1} Hüben {0}", 19, 100);
   EXPECT_EQ(told.english, "19 of 100 strokes");

@@ -31,13 +31,16 @@ std::optional<std::pair<std::string, std::string>> Doubts::Relatives(
   return std::make_pair(a, b);
 }
 
-/// Share of the gain that would be lost with the effect that matters least; 1 if only one was found.
+/// Share of the gain that would be lost with the effect that matters least; 1 if only one was found. A delay that is taken for how
+/// the flow between rows is integrated does not count.
 double Doubts::LeastShare(const Explanation& found) const {
   const auto started = static_cast<std::size_t>(found.started);
   if (found.chosen.size() < started + 2) return 1;
   const double gain = ranking_.Gain(start_.fit, found.final);
+  const auto unseen = MayMoveBetweenRows(found);
   double least = 1;
   for (std::size_t k = started; k < found.chosen.size(); ++k) {
+    if (unseen && unseen->integrated && k == started + unseen->effect) continue;
     std::vector<EffectChoice> others = found.chosen;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     const ExtendedFit without = strokes_.Fit(others);
@@ -46,19 +49,31 @@ double Doubts::LeastShare(const Explanation& found) const {
   return least;
 }
 
-Told Doubts::MayMoveBetweenRows(const Explanation& found) const {
-  for (std::size_t k = static_cast<std::size_t>(found.started); k < found.final.effects.size(); ++k) {
+std::optional<Doubts::UnseenDelay> Doubts::MayMoveBetweenRows(const Explanation& found) const {
+  const auto started = static_cast<std::size_t>(found.started);
+  for (std::size_t k = started; k < found.final.effects.size(); ++k) {
     const EffectEstimate& late = found.final.effects[k];
     const Effect& effect = *strokes_.model().effects[late.choice.effect];
     if (effect.unseen_rows == 0 || late.size > effect.unseen_rows * strokes_.period()) continue;
-    return Tell(
-        "rows are {:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command held so "
-        "long, looks {:.2g} ms late as well",
-        "die Zeilen liegen {:.3g} ms auseinander, und ein Signal, das sich zwischen zwei Zeilen früh bewegt, wie eines, das einem so "
-        "lange gehaltenen Befehl folgt, sieht ebenfalls {:.2g} ms verspätet aus",
-        1e3 * strokes_.period(), 1e3 * late.size);
+    const bool integrated = late.size <= options_.integrated_rows * strokes_.period();
+    const double milliseconds = 1e3 * late.size, apart = 1e3 * strokes_.period();
+    return UnseenDelay{
+        k - started, integrated,
+        integrated
+            ? Tell(
+                  "{0} of {1:.2g} ms would explain a little: rows {2:.3g} ms apart make as much of a spool that follows a command "
+                  "held from row to row, and it is taken for that",
+                  "{0} von {1:.2g} ms würde ein wenig erklären: so viel machen Zeilen im Abstand von {2:.3g} ms aus einem Schieber, "
+                  "der einem von Zeile zu Zeile gehaltenen Befehl folgt, und dafür wird es genommen",
+                  effect.id, milliseconds, apart)
+            : Tell(
+                  "rows are {1:.3g} ms apart, and a signal that moves early between two rows, as one does that follows a command "
+                  "held so long, looks {0:.2g} ms late as well",
+                  "die Zeilen liegen {1:.3g} ms auseinander, und ein Signal, das sich zwischen zwei Zeilen früh bewegt, wie eines, "
+                  "das einem so lange gehaltenen Befehl folgt, sieht ebenfalls {0:.2g} ms verspätet aus",
+                  milliseconds, apart)};
   }
-  return {};
+  return std::nullopt;
 }
 
 /// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
@@ -118,8 +133,8 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
         "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
         "zufällig hervortreten");
   }
-  if (Told unseen = MayMoveBetweenRows(found); !unseen.empty()) {
-    return unseen;
+  if (auto unseen = MayMoveBetweenRows(found); unseen && !unseen->integrated) {
+    return std::move(unseen->why);
   }
   if (Told limit = ValueAtItsLimit(found); !limit.empty()) {
     return limit;

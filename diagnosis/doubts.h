@@ -20,9 +20,15 @@ class Doubts {
   /// The gravest of an explanation whose remainder, margin and groups are known; "" if there is none. `at_floor`: the model found
   /// is at the floor without the allowance for two effects that act on one another.
   Told Of(const Explanation& found, bool at_floor) const;
-  /// Whether one of its effects is a delay so small that a signal may only seem late: between two rows it is taken to move
-  /// evenly, and it need not. "" if there is none.
-  Told MayMoveBetweenRows(const Explanation& found) const;
+  /// Which of its effects, counted from the first one found, is a delay so small that a signal may only seem late: between two
+  /// rows it is taken to move evenly, and it need not.
+  struct UnseenDelay {
+    std::size_t effect = 0;
+    bool integrated =
+        false;  ///< so small that it is how the flow between rows is integrated (ExplainOptions::integrated_rows)
+    Told why;
+  };
+  std::optional<UnseenDelay> MayMoveBetweenRows(const Explanation& found) const;
 
  private:
   std::string MeasuredAndLeftOut(const ExtendedFit& fit) const;

@@ -198,14 +198,15 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
 void EffectRanking::TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int shape,
                                  RankedEffect& ranked) const {
   const double gain = Gain(on.fit, fit);
-  if (ranked.fit.solved && gain <= ranked.gain) return;
   const EffectEstimate& size = fit.effects.back();
+  const EffectShape& tried = strokes_.model().effect_shapes[ranked.effect][shape];
+  const bool lawful = (size.consistent || !tried.refined) && !IsRefuted(size);
+  if (ranked.fit.solved && (lawful == ranked.lawful ? gain <= ranked.gain : ranked.lawful)) return;
   const double degrees = strokes_.strokes() - 1.0;
   const double t = size.size / (size.std / StudentFactor(degrees));
-  const EffectShape& tried = strokes_.model().effect_shapes[ranked.effect][shape];
   ranked.gain = gain;
   ranked.p_value = TwoSidedP(t, degrees);
-  ranked.lawful = (size.consistent || !tried.refined) && !IsRefuted(size);
+  ranked.lawful = lawful;
   ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t &&
                       (gain > options_.trifle_gain ||
                        FindMovedParameter(strokes_.model(), on.fit, fit, options_.biased).has_value());

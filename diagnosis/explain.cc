@@ -348,12 +348,24 @@ void Explainer::Judge(Explanation& out) const {
                      "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law);
     return;
   }
-  const Doubts doubts(strokes_, options_, start_, ranking_);
-  if (Told unseen = doubts.MayMoveBetweenRows(out); !unseen.empty() && out.groups.size() == 1) {
+  if (out.final.excess_ratio >
+      std::max(options_.doubt_excess, options_.most_left * start_.fit.excess_ratio)) {
     out.verdict = Verdict::kUnknown;
-    out.small_error = true;
+    out.partial = true;
     out.groups.clear();
-    out.doubt = std::move(unseen);
+    out.doubt = Tell("{:.0f} % of the error's energy above sensor noise stay",
+                     "{:.0f} % der Fehlerenergie über dem Sensorrauschen bleiben",
+                     100 * out.final.excess_ratio / start_.fit.excess_ratio);
+    return;
+  }
+  const Doubts doubts(strokes_, options_, start_, ranking_);
+  const auto unseen = doubts.MayMoveBetweenRows(out);
+  if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));
+  if (unseen && unseen->integrated) out.warnings.push_back(unseen->why);
+  if (out.groups.empty()) {
+    out.verdict = unseen->integrated ? Verdict::kAdequate : Verdict::kUnknown;
+    out.small_error = !unseen->integrated;
+    if (out.small_error) out.doubt = unseen->why;
     return;
   }
   out.doubt = doubts.Of(out, AtFloor(out.final));

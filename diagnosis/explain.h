@@ -38,7 +38,10 @@ struct ExplainOptions {
   double min_t = 4.0;      ///< size over its stroke-clustered standard error
   double floor_excess = kFloorExcess;
   double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
-  double left_share = 0.005;   ///< ... plus this share of the base model's excess
+  /// Share of the base model's excess that may be left above doubt_excess, for what was found to be a name at all: with a third, an
+  /// error that two causes share has one of them named.
+  double most_left = 1.0 / 3;
+  double left_share = 0.005;  ///< ... plus this share of the base model's excess
   /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
   /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this tests miss effects.
   double trifle = 0.0005;
@@ -126,6 +129,9 @@ struct ExplainOptions {
   double biased = 1.0 / 3;
   /// p-value below which an effect that gains min_gain may not move one out of its interval either: few strokes make no small ones.
   double bias_p = 0.05;
+  /// Rows by which a spool may seem late, without a doubt, for the flow between two rows is taken to be the mean of both: 0 to 0.1
+  /// for a valve of 60 to 150 Hz, damped by 0.6 to 1, whose command is held for 4 ms (its response integrated).
+  double integrated_rows = 0.15;
   /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
   double limit_share = 0.02;
 

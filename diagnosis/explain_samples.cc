@@ -274,7 +274,7 @@ bool IsFloorToBlame(const Explanation& x, const ExplainOptions& options) {
 /// That the model misses something is not said of an error that may be noise of another colour than what neighbouring rows show.
 void AllowForNoise(const ExplainOptions& options, Explanation& x) {
   x.may_be_noise = x.verdict == Verdict::kUnknown && x.base.solved && x.set.empty() && !x.partial &&
-                   x.odd_strokes.empty() && x.remainder <= options.doubt_remainder &&
+                   !x.small_error && x.odd_strokes.empty() && x.remainder <= options.doubt_remainder &&
                    1 + x.final.excess_ratio < options.any_colour && NothingPredicts(x.final_left, options);
   if (x.may_be_noise && x.doubt.empty())
     x.doubt = Tell("its energy is {:.2g} times that of the noise that neighbouring rows show",

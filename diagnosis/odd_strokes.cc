@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -81,28 +82,40 @@ Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd>
   return best;
 }
 
-/// The `count` strokes that one model describes, where so many others bend the fit of all that these do not look the worst: from few
-/// strokes drawn at random, each fit is followed by that of the strokes which it describes best (least trimmed squares by
-/// concentration steps, Rousseeuw and Van Driessen 1999). Empty if no draw leads to any.
-Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start,
-                     const ExplainOptions& explain, std::size_t count, const OddStrokeOptions& options) {
+/// The `count` strokes that one model describes best, where so many others bend the fit of all that these do not look the worst:
+/// from few strokes drawn at random, each fit is followed by that of the strokes which it describes best (least trimmed squares by
+/// concentration steps, Rousseeuw and Van Driessen 1999), until `enough` is said of one. Empty if no draw leads to any.
+template <typename Enough>
+Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start, std::size_t count,
+                     const OddStrokeOptions& options, Enough enough) {
   const std::vector<Eigen::MatrixXd> grams = GramOfEach(strokes);
   std::mt19937_64 random(options.seed);
-  Strokes all(grams.size());
+  Strokes all(grams.size()), best;
   std::iota(all.begin(), all.end(), 0);
+  double least = std::numeric_limits<double>::infinity();
   for (int draw = 0; draw < options.draws; ++draw) {
     Strokes used;
     std::sample(all.begin(), all.end(), std::back_inserter(used), options.least, random);
     for (int step = 0; step < options.steps; ++step) {
       const ExtendedFit fit = strokes.Only(used).Fit(start);
       if (!fit.solved) break;
-      if (used.size() == count && AreDescribed(fit, explain)) return used;
+      if (used.size() == count && fit.excess_ratio < least) {
+        best = used;
+        least = fit.excess_ratio;
+        if (enough(fit)) return best;
+      }
       Strokes next = BestDescribed(strokes, grams, ErrorOf(strokes.model(), fit), count);
       if (next == used) break;
       used = std::move(next);
     }
   }
-  return {};
+  return best;
+}
+
+/// Strokes that the rest must have at least.
+std::size_t LeastOf(const StrokeSet& strokes, const OddStrokeOptions& options) {
+  const double share = std::ceil((1 - options.most) * static_cast<double>(strokes.strokes()));
+  return std::max(options.least, static_cast<std::size_t>(share));
 }
 
 }  // namespace
@@ -110,12 +123,12 @@ Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> sta
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options) {
   const auto count = static_cast<std::size_t>(strokes.strokes());
-  const auto share = static_cast<std::size_t>(std::ceil((1 - options.most) * static_cast<double>(count)));
-  const std::size_t least = std::max(options.least, share);
+  const std::size_t least = LeastOf(strokes, options);
   if (least >= count) return {};
+  const auto described = [&](const ExtendedFit& fit) { return AreDescribed(fit, explain); };
   Strokes rest = WithoutTheWorst(strokes, start, explain, least);
-  if (rest.empty()) rest = Concentrated(strokes, start, explain, least, options);
-  if (rest.empty()) return {};
+  if (rest.empty()) rest = Concentrated(strokes, start, least, options, described);
+  if (rest.empty() || !described(strokes.Only(rest).Fit(start))) return {};
   Strokes odd;
   for (std::size_t s = 0; s < count; ++s)
     if (!std::binary_search(rest.begin(), rest.end(), s) && IsOdd(strokes, rest, s, start, options))
@@ -290,6 +303,11 @@ bool MissesAnEnd(const Explanation& found, const std::vector<std::size_t>& odd, 
   });
 }
 
+/// Laws that are relatives; an effect without any stands for itself.
+const std::string& FamilyOf(const Effect& effect) {
+  return effect.family.empty() ? effect.id : effect.family.english;
+}
+
 std::optional<Explanation> Parted(StrokeSet strokes, std::span<const EffectChoice> by,
                                   const ExplainOptions& explain, const StrokesUnder& under,
                                   const OddStrokeOptions& options) {
@@ -316,20 +334,41 @@ std::optional<Explanation> Parted(StrokeSet strokes, std::span<const EffectChoic
   return out;
 }
 
+/// Parted by the model as it is and one of the effects that gain most in `ranked`, the best of each family.
+std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const StrokeSet& strokes,
+                                         std::span<const EffectChoice> start, const ExplainOptions& explain,
+                                         const StrokesUnder& under, const OddStrokeOptions& options) {
+  std::vector<std::string> families;
+  for (const RankedEffect& r : ranked.ranking) {
+    if (families.size() == options.tried) break;
+    if (!r.fit.solved || r.gain < explain.min_gain) continue;
+    const std::string& family = FamilyOf(*ranked.model->effects[r.effect]);
+    if (std::find(families.begin(), families.end(), family) != families.end()) continue;
+    families.push_back(family);
+    std::vector<EffectChoice> by(start.begin(), start.end());
+    by.push_back(r.fit.effects.back().choice);
+    if (auto parted = Parted(strokes, by, explain, under, options)) return parted;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
                                              const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options) {
-  const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
+  const std::span start(whole.chosen.data(), static_cast<std::size_t>(whole.started));
   if (auto parted = Parted(strokes, start, explain, under, options)) return parted;
-  for (std::size_t k = 0; k < std::min(options.tried, whole.ranking.size()); ++k) {
-    if (!whole.ranking[k].fit.solved || whole.ranking[k].gain < explain.min_gain) continue;
-    std::vector<EffectChoice> by = start;
-    by.push_back(whole.ranking[k].fit.effects.back().choice);
-    if (auto parted = Parted(strokes, by, explain, under, options)) return parted;
-  }
-  return std::nullopt;
+  if (auto parted = PartedByOneOf(whole, strokes, start, explain, under, options)) return parted;
+  // Strokes that err much hide what all have: the others show it.
+  if (LeastOf(strokes, options) >= static_cast<std::size_t>(strokes.strokes())) return std::nullopt;
+  const Strokes best = Concentrated(strokes, start, LeastOf(strokes, options), options,
+                                    [](const ExtendedFit&) { return false; });
+  if (best.empty()) return std::nullopt;
+  StrokeSet shaped = strokes;
+  const Explanation of_best = ExplainPart(
+      shaped, [&](const StrokeSet& all) { return all.Only(best); }, explain, under);
+  return PartedByOneOf(of_best, shaped, start, explain, under, options);
 }
 
 }  // namespace hydroscope

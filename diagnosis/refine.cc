@@ -179,8 +179,8 @@ double WithinLimits(const NonlinearParameter& limits, double x) {
 }
 
 /// The value of nonlinear[0] that the fit with it implies: value -> implied(value) until it stays, with the
-/// secant of the last two steps. Where the data do not pin it down it ends somewhere else than it implies
-/// (not consistent).
+/// secant of the last two steps, between values that imply more and less than themselves where both are known. Where the data do
+/// not pin it down it ends somewhere else than it implies (not consistent).
 double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const Effect& effect,
                     double value) {
   const NonlinearParameter& limits = effect.nonlinear[0];
@@ -190,6 +190,7 @@ double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const 
     return effect.implied({fit.theta.head(model.base_count), fit.effects.back().size});
   };
   double x = WithinLimits(limits, value), x_before = 0, miss_before = 0;
+  double low = -std::numeric_limits<double>::infinity(), high = -low;  // imply more, less than themselves
   for (int step = 0; step < kImpliedSteps; ++step) {
     const std::optional<double> y = implied(x);
     if (!y) return x;
@@ -202,6 +203,8 @@ double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const 
       if (std::isfinite(secant) && std::abs(secant - x) < 3 * std::abs(miss) + 0.5 * std::abs(x))
         next = secant;
     }
+    (miss > 0 ? low : high) = x;
+    if (low < high && (next <= low || next >= high)) next = 0.5 * (low + high);
     x_before = x;
     miss_before = miss;
     x = WithinLimits(limits, next);

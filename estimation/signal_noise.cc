@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/short_number.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -81,12 +82,12 @@ struct Corners {
 
 Told WithUnit(double si, const std::string& unit) {
   const DisplayUnit shown = unit == "K" ? DisplayUnit{1, 0, "K"} : DisplayUnitFor(unit);
-  return TellNumber(fmt::format("{:.3g}{}{}", si * shown.factor,
+  return TellNumber(fmt::format("{}{}{}", ShortNumber(si * shown.factor),
                                 shown.name == "1" || shown.name.empty() ? "" : " ",
                                 shown.name == "1" ? "" : shown.name));
 }
 
-Told Milliseconds(double s) { return TellNumber(fmt::format("{:.3g} ms", 1e3 * s)); }
+Told Milliseconds(double s) { return TellNumber(ShortNumber(1e3 * s) + " ms"); }
 
 /// From the 5 % to the 95 % quantile.
 double RangeOf(std::span<const SignalRuns> strokes) {

@@ -8,6 +8,7 @@
 #include "acquisition/quality_monitor.h"
 #include "core/constants.h"
 #include "core/printable.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "live/inbox.h"
@@ -44,7 +45,7 @@ struct Range {
 std::string Shown(double value, const std::string& si) {
   if (!std::isfinite(value)) return "-";
   const DisplayUnit unit = DisplayUnitFor(si);
-  return fmt::format("{:.4g}", value * unit.factor + unit.offset);
+  return ShortNumber(value * unit.factor + unit.offset, 4);
 }
 
 void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows, CheckedChannel& channel) {
@@ -169,7 +170,7 @@ std::string LiveCheckText(const LiveCheck& check) {
     text += fmt::format("{:<{}} {:>5.0f} {:>6} {:>10} {:>10} {:>8} {:<5} {:>7}\n", c.name, width, c.rate,
                         std::isfinite(c.age) ? fmt::format("{:.0f}", c.age * 1e3) : "never",
                         Shown(c.min, c.unit), Shown(c.max, c.unit),
-                        std::isfinite(c.noise_std) ? fmt::format("{:.3g}", c.noise_std * unit.factor) : "-",
+                        std::isfinite(c.noise_std) ? ShortNumber(c.noise_std * unit.factor) : "-",
                         unit.name == "1" ? "-" : unit.name, c.flagged);
   }
   for (const CheckedChannel& c : check.channels)

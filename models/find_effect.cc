@@ -34,7 +34,7 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
   for (const auto& effect : model.effects) ids.push_back(effect->id);
   const bool built_in = model.kind != nullptr && model.kind->effects != nullptr;
   for (const auto& effect : built_in ? model.kind->effects({}) : model.sample_effects) {
-    ids.push_back(effect->id);
+    if (std::find(ids.begin(), ids.end(), effect->id) == ids.end()) ids.push_back(effect->id);
     if (effect->id != id) continue;
     std::vector<std::string> missing;
     for (int channel : effect->channels)

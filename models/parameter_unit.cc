@@ -1,6 +1,7 @@
 #include "models/parameter_unit.h"
 
 #include "core/constants.h"
+#include "core/effect_units.h"
 #include "core/interval_text.h"
 
 namespace hydroscope {
@@ -13,12 +14,20 @@ DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, s
   return unit;
 }
 
+ShownParameter ShowParameter(const MachineKind& kind, std::string_view parameter, double value, double std,
+                             const std::string& si) {
+  const MachineParameter* known = FindParameter(kind, parameter);
+  const bool own = known != nullptr && !known->shown.empty();
+  const EffectUnit unit = own ? EffectUnit{known->factor, std::string(known->shown)} : EffectUnitFor(si);
+  const double offset = own ? 0 : DisplayUnitFor(si).offset;
+  return {WithInterval(value * unit.factor + offset, kNormal95 * std * unit.factor),
+          unit.name == "-" ? "" : unit.name};
+}
+
 std::string ParameterWithInterval(const MachineKind& kind, std::string_view parameter, double value,
                                   double std, const std::string& si) {
-  const MachineParameter* known = FindParameter(kind, parameter);
-  if (known == nullptr || known->shown.empty()) return ShownWithInterval(value, std, si);
-  return WithInterval(value * known->factor, kNormal95 * std * known->factor) + " " +
-         std::string(known->shown);
+  const ShownParameter shown = ShowParameter(kind, parameter, value, std, si);
+  return shown.unit.empty() ? shown.numbers : shown.numbers + " " + shown.unit;
 }
 
 }  // namespace hydroscope

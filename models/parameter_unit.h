@@ -12,7 +12,15 @@ namespace hydroscope {
 /// one of the SI unit; "-" for a plain number.
 DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, std::string_view si);
 
-/// A parameter with its 95 % interval in that unit, from SI: "0.803 ± 0.024 % of stroke".
+/// A parameter, or the size of an effect, with its 95 % interval as people read it.
+struct ShownParameter {
+  std::string numbers;  ///< "0.803 ± 0.024"
+  std::string unit;     ///< "% of stroke", "" of a plain number
+};
+ShownParameter ShowParameter(const MachineKind& kind, std::string_view parameter, double value, double std,
+                             const std::string& si);
+
+/// The same in one piece: "0.803 ± 0.024 % of stroke".
 std::string ParameterWithInterval(const MachineKind& kind, std::string_view parameter, double value,
                                   double std, const std::string& si);
 

@@ -70,7 +70,7 @@ bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
 }
 
 bool EpisodeCutter::InputsGood(const SampleBlock& block, std::size_t row) const {
-  constexpr Quality kForgiven = kTimeBreaks | quality::kSpike | quality::kStuck | quality::kInterpolated;
+  constexpr Quality kForgiven = kTimeBreaks | kFineOnInputs;
   for (std::size_t s = 0; s < input_.size(); ++s)
     if (input_[s] && !GoodReading(block.signal[s][row], block.quality[s][row], kForgiven)) return false;
   return true;
@@ -127,10 +127,9 @@ Quality EpisodeCutter::Forgiven(std::size_t signal) const {
   const double share =
       spikes_.empty() ? static_cast<double>(spikes) / static_cast<double>(flags.size()) : spikes_[signal];
   Quality forgiven = kTimeBreaks;
-  if (input_[signal] || share > kRareSpikes) forgiven |= quality::kSpike;
-  if (input_[signal]) forgiven |= quality::kInterpolated;
-  if (input_[signal] || machine_.signals[signal].stuck_time < kStuckRows * options_.period)
-    forgiven |= quality::kStuck;
+  if (input_[signal]) forgiven |= kFineOnInputs;
+  if (share > kRareSpikes) forgiven |= quality::kSpike;
+  if (machine_.signals[signal].stuck_time < kStuckRows * options_.period) forgiven |= quality::kStuck;
   return forgiven;
 }
 

@@ -27,6 +27,8 @@ struct EpisodeSignals {
 class EpisodeCutter {
  public:
   static constexpr std::size_t kLeastRows = 10;  ///< of an episode
+  /// No faults of an input, which may rest, jump and be drawn by a logger.
+  static constexpr Quality kFineOnInputs = quality::kSpike | quality::kStuck | quality::kInterpolated;
   struct Options {
     double period = 0;  ///< s
     int log = 0;

@@ -92,6 +92,8 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
     auto rows = ReadRows(log, machine, out);
     if (!rows) return tl::unexpected(rows.error());
     LeaveOutSensorEnds(log, machine, (*model)->outputs, *rows, out);
+    for (const SensorEnd& end : FlaggedInputEnds((*model)->machine, (*model)->inputs, *rows))
+      out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
     EpisodeCutter cutter(
         (*model)->machine, {(*model)->inputs, (*model)->outputs},
         {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},

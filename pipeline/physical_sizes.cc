@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/constants.h"
+#include "core/short_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
@@ -46,7 +47,7 @@ std::vector<const char*> UsualUnits(std::string_view si) {
 }
 
 std::string Shown(double si, const Unit& unit, std::string_view name) {
-  return fmt::format("{:.4g} {}", (si - unit.offset) / unit.scale, name);
+  return fmt::format("{} {}", ShortNumber((si - unit.offset) / unit.scale, 4), name);
 }
 
 }  // namespace

@@ -99,6 +99,26 @@ std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<
   return found;
 }
 
+std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vector<int>& inputs,
+                                        const SampleBlock& rows) {
+  std::vector<SensorEnd> found;
+  for (const int signal : inputs) {
+    const auto s = static_cast<std::size_t>(signal);
+    const SignalSpec& spec = machine.signals[s];
+    const std::vector<double>& x = rows.signal[s];
+    std::map<double, std::size_t> flagged;
+    for (std::size_t row = 0; row < x.size(); ++row)
+      if ((rows.quality[s][row] & quality::kOutOfRange) != 0 && x[row] >= spec.min.value_or(x[row]) &&
+          x[row] <= spec.max.value_or(x[row]))
+        ++flagged[x[row]];
+    for (const auto& [at, count] : flagged)
+      if (const bool upper = std::none_of(x.begin(), x.end(), [end = at](double r) { return r > end; });
+          count >= kLeastPiled)
+        found.push_back({.signal = signal, .upper = upper, .at = at, .rows = count});
+  }
+  return found;
+}
+
 Told SensorEndText(const SensorEnd& end, const Machine& machine) {
   const std::string& signal = machine.signals[end.signal].name;
   const DisplayUnit unit = ShownUnit(machine, signal);
@@ -109,6 +129,19 @@ Told SensorEndText(const SensorEnd& end, const Machine& machine) {
       "weg; wenn dort aufhört, was er misst, es durch {5} eines Zustands oder stuck_time = 0 des Signals sagen",
       signal, end.upper ? Wording("highest", "höchsten") : Wording("lowest", "niedrigsten"),
       end.at * unit.factor + unit.offset, std::string(unit.name), end.rows, end.upper ? "max" : "min");
+}
+
+Told InputEndText(const SensorEnd& end, const Machine& machine) {
+  const std::string& signal = machine.signals[static_cast<std::size_t>(end.signal)].name;
+  const DisplayUnit unit = ShownUnit(machine, signal);
+  return Tell(
+      "{} stands at its {} reading, {:.4g} {}, in {} rows: its sensor or converter seems to end there, and episodes go without "
+      "these rows; if it is a command or an amplifier that is limited there, say so by stuck_time = 0 of the signal",
+      "{0} steht in {4} Zeilen auf dem {1} Messwert, {2:.4g} {3}: sein Sensor oder Wandler scheint dort zu enden, und Episoden "
+      "kommen ohne diese Zeilen aus; wenn es ein Sollwert oder Verstärker ist, der dort begrenzt ist, es durch stuck_time = 0 des "
+      "Signals sagen",
+      signal, end.upper ? Wording("highest", "höchsten") : Wording("lowest", "niedrigsten"),
+      end.at * unit.factor + unit.offset, std::string(unit.name), end.rows);
 }
 
 }  // namespace hydroscope

@@ -23,7 +23,13 @@ struct SensorEnd {
 std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<int>& signals,
                                       SampleBlock& rows);
 
-/// A sentence that says so.
+/// The same of inputs, whose rows QualityMonitor has flagged: readings at an end that the machine file does not state, without
+/// which episodes have to do.
+std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vector<int>& inputs,
+                                        const SampleBlock& rows);
+
+/// Sentences that say so.
 Told SensorEndText(const SensorEnd& end, const Machine& machine);
+Told InputEndText(const SensorEnd& end, const Machine& machine);
 
 }  // namespace hydroscope

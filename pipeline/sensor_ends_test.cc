@@ -79,5 +79,19 @@ TEST(SensorEnds, WhatSettlesAtAValueIsNoEnd) {
   EXPECT_TRUE(FlagSensorEnds(Tank(), {1}, rows).empty());
 }
 
+TEST(SensorEnds, OfAnInputItIsSaidWhatEpisodesGoWithoutAndHowToKeepIt) {
+  SampleBlock rows = Levels(9.6, 0.02);
+  std::swap(rows.signal[0], rows.signal[1]);
+  for (std::size_t k = 0; k < rows.rows(); ++k)
+    if (rows.signal[0][k] == 4000 * 0.0024) rows.quality[0][k] = quality::kOutOfRange;
+  rows.quality[0][0] = quality::kOutOfRange;  // a reading by itself is no end
+  const auto ends = FlaggedInputEnds(Tank(), {0}, rows);
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].upper);
+  const Told text = InputEndText(ends[0], Tank());
+  EXPECT_THAT(text.english, testing::HasSubstr("q stands at its highest reading, 9.6"));
+  EXPECT_THAT(text.english, testing::HasSubstr("stuck_time = 0"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/short_number.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -22,11 +23,9 @@ std::string ConditionText(const Machine& machine, const GateBound& bound) {
   const DisplayUnit shown = DisplayUnitFor(si);
   std::string text = bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal;
   if (bound.magnitude) text = fmt::format("|{}|", text);
-  if (bound.min)
-    text += fmt::format(" >= {:.4g}", *bound.min * shown.factor + (bound.rate ? 0 : shown.offset));
+  if (bound.min) text += " >= " + ShortNumber(*bound.min * shown.factor + (bound.rate ? 0 : shown.offset), 4);
   if (bound.min && bound.max) text += " and";
-  if (bound.max)
-    text += fmt::format(" <= {:.4g}", *bound.max * shown.factor + (bound.rate ? 0 : shown.offset));
+  if (bound.max) text += " <= " + ShortNumber(*bound.max * shown.factor + (bound.rate ? 0 : shown.offset), 4);
   return shown.name == "1" || shown.name.empty() ? text : fmt::format("{} {}", text, shown.name);
 }
 

@@ -12,6 +12,7 @@
 #include "report/svg_text.h"
 #include "report/unranked_effects.h"
 #include "workbench/explain/explain_overlays.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
@@ -73,6 +74,8 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       out.push_back("Check on the machine – " + DescribedInPage(result, id));
+  for (const OddStrokes& odd : x.odd_strokes)
+    out.push_back("Not everywhere – " + EscapeText(OddText(result, odd).english) + ".");
   if (!x.doubt.empty())
     out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
                               EscapeText(x.doubt.english)));

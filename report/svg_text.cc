@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/short_number.h"
+
 namespace hydroscope {
 namespace {
 
@@ -146,7 +148,7 @@ std::string FormatCount(std::int64_t count) {
 
 std::string FormatShort(double value) {
   if (!std::isfinite(value)) return "–";
-  return WithRealMinus(fmt::format("{:.4g}", value));
+  return WithRealMinus(ShortNumber(value, 4));
 }
 
 }  // namespace hydroscope

@@ -9,6 +9,7 @@
 #include "core/counted_words.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/short_number.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -101,11 +102,10 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = ParameterUnit(KindOf(outcome.machine), e.parameter, e.unit);
-    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     const int digits = DigitsFor(e.value, kNormal95 * e.std);
-    text += fmt::format("{:<8} {:>12.{}g} {:>12.{}g} ... {:<9.{}g}  {:<6}{}\n", e.parameter, shown(e.value),
-                        digits, shown(e.value - kNormal95 * e.std), digits,
-                        shown(e.value + kNormal95 * e.std), digits, unit.name,
+    const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset, digits); };
+    text += fmt::format("{:<8} {:>12} {:>12} ... {:<9}  {:<6}{}\n", e.parameter, shown(e.value),
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
   const DisplayUnit unit = UnitOfErrors(outcome.machine);
@@ -113,10 +113,9 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
     text += fmt::format("{} of the last run hang together: intervals are at least those of groups of them\n",
                         counted.many);
   if (outcome.figures.noise_floor > 0)
-    text += fmt::format(
-        "model error on {} left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
-        counted.many, outcome.figures.rms_holdout * unit.factor, unit.name,
-        outcome.figures.noise_floor * unit.factor, unit.name);
+    text += fmt::format("model error on {} left out {} {}, sensor noise alone would cause {} {} (last run)\n",
+                        counted.many, ShortNumber(outcome.figures.rms_holdout * unit.factor), unit.name,
+                        ShortNumber(outcome.figures.noise_floor * unit.factor), unit.name);
   if (outcome.figures.strokes > 0)
     if (const ModelHeadline headline = HeadlineOf(outcome.figures, ErrorFinding::kNoise);
         headline.standing == ModelStanding::kNotJudged)

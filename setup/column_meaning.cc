@@ -201,28 +201,38 @@ class Anonymous {
     speed_ = Motion(head_.columns[*best], kLag);
     return true;
   }
+  static bool HasBothSigns(const LogColumn& column) {
+    return column.low < -0.02 * column.span() && column.high > 0.02 * column.span();
+  }
+  /// Larger than a share of the stroke, smaller than per cent of it.
+  static bool MayBeVolts(const LogColumn& column) {
+    const double most = std::max(std::abs(column.low), std::abs(column.high));
+    return most > 1.2 && most < 12;
+  }
   void GuessSpool() {
     if (Taken(roles_, Role::kSpool)) return;
     std::optional<std::size_t> best;
     double most = kGoesWith;
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
-      const bool both_signs = c.low < -0.02 * c.span() && c.high > 0.02 * c.span();
-      const double with = Free(i, Role::kSpool) && both_signs ? std::abs(Correlation(c.value, speed_)) : 0;
+      const double with =
+          Free(i, Role::kSpool) && HasBothSigns(c) ? std::abs(Correlation(c.value, speed_)) : 0;
       if (with <= most) continue;
       most = with;
       best = i;
     }
     if (!best) return;
     std::size_t spool = *best;
-    // Spool and command run together; the command is in volts, ten times the spool's numbers.
+    // Spool and command run together; the command is the one that may be in volts, else ten times the spool's numbers.
     for (std::size_t k = 0; k < head_.columns.size(); ++k) {
-      if (k == *best || !Free(k, Role::kValveCommand) ||
+      if (k == *best || !Free(k, Role::kValveCommand) || !HasBothSigns(head_.columns[k]) ||
           std::abs(Correlation(head_.columns[*best], head_.columns[k])) < kRunsWith)
         continue;
-      const bool larger = head_.columns[k].span() > head_.columns[*best].span();
-      spool = larger ? *best : k;
-      Give(larger ? k : *best, Role::kValveCommand,
+      const bool volts = MayBeVolts(head_.columns[k]), others_volts = MayBeVolts(head_.columns[*best]);
+      const bool commands =
+          volts != others_volts ? volts : head_.columns[k].span() > head_.columns[*best].span();
+      spool = commands ? *best : k;
+      Give(commands ? k : *best, Role::kValveCommand,
            Tell("runs with {}", "läuft mit {}", head_.columns[spool].name));
       break;
     }
@@ -246,15 +256,20 @@ class Anonymous {
       Give(*best, Role::kPressureA,
            Told("never negative, goes with the stroke", "nie negativ, geht mit dem Hub"));
   }
-  /// Of what is left, drifting slowly within 12 ... 95: oil temperature; the highest that stands: supply.
+  /// Of what is left, drifting slowly or called after the oil, within 12 ... 95: oil temperature; the highest that stands: supply.
   void GuessRest() {
     if (!Taken(roles_, Role::kPressureA)) return;
     std::optional<std::size_t> highest, other;
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
-      if (Free(i, Role::kOilTemperature) && c.roughness < 0.5 && c.low > 12 && c.high < 95 && c.span() < 25) {
+      const std::string name = BareName(c.name);
+      const bool of_oil = name.starts_with("oel") || name.starts_with("oil");
+      if (Free(i, Role::kOilTemperature) && (of_oil || c.roughness < 0.5) && c.low > 12 && c.high < 95 &&
+          c.span() < 25) {
         Give(i, Role::kOilTemperature,
-             Told("drifts slowly within 12 ... 95", "wandert langsam innerhalb 12 ... 95"));
+             of_oil
+                 ? Told("called after the oil, within 12 ... 95", "nach dem Öl benannt, innerhalb 12 ... 95")
+                 : Told("drifts slowly within 12 ... 95", "wandert langsam innerhalb 12 ... 95"));
         continue;
       }
       if (!Free(i, Role::kPressure) || c.low <= 0) continue;

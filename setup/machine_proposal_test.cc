@@ -325,6 +325,22 @@ TEST(MachineProposal, GuessesColumnsWithoutTellingNamesAndSaysSo) {
   }
 }
 
+TEST(MachineProposal, TellsSpoolInPerCentFromCommandInVoltsAndOilFromPressure) {
+  const MachineProposal proposal = Propose(PressLog(
+      "Zeitstempel,AI_03,AI_07,Ist Weg Kissen,AI_11 [%],AO_02,Pumpe,\xd6lwanne\n", [](const PressRow& r) {
+        return fmt::format("{:.0f},{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.1f},{:.1f}", r.t * 1e3, r.p_A / 1e5,
+                           r.p_B / 1e5, r.z * 1e3, r.y_v * 100, r.U_v, r.p_0 / 1e5, r.T_oil - 273.15);
+      }));
+  ExpectColumns(proposal.machine, {{"p_A", "AI_03 bar"},
+                                   {"p_B", "AI_07 bar"},
+                                   {"z", "Ist Weg Kissen mm"},
+                                   {"y_v", "AI_11 [%] %"},
+                                   {"U_v", "AO_02 V"},
+                                   {"p_0", "Pumpe bar"},
+                                   {"T_oil", "Ölwanne degC"}});
+  ExpectLoads(proposal);
+}
+
 TEST(MachineProposal, TellsSlowRowsInSecondsFromFastOnesInMilliseconds) {
   for (const int rate : {5, 1}) {
     std::string text = "t,p_A,z,y_v\n";

@@ -14,7 +14,7 @@ struct UnitGuess {
   std::string unit;
   double scale = 1.0;
   double offset = 0.0;
-  Told why;          ///< "unit in the header", "values up to 2.1e+07 can only be Pa", ...
+  Told why;          ///< "unit in the header", "values up to 2.1e7 can only be Pa", ...
   bool sure = true;  ///< false: have a look
 };
 /// Sizes that help with other columns' units.

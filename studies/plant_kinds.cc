@@ -61,9 +61,9 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
 bool GoesBothWays(const std::string& kind) {
   return kind.ends_with("_drift") || kind == "Q_vn_step" || kind == "pressure_zero" ||
          kind.starts_with("pressure_gain") || kind == "pressure_offset_temperature" ||
-         kind == "pressure_crosstalk" || kind == "displacement_gain_temperature" ||
-         kind == "spool_null_temperature" || kind == "wrong_area" || kind == "spool_nonlinearity" ||
-         kind == "bad_stretch" || kind == "exponential_viscosity";
+         kind.ends_with("_crosstalk") || kind.ends_with("_nonlinearity") || kind == "spool_null_pressure" ||
+         kind == "displacement_gain_temperature" || kind == "spool_null_temperature" ||
+         kind == "wrong_area" || kind == "bad_stretch" || kind == "exponential_viscosity";
 }
 
 ImperfectionSetting DrawImperfection(std::mt19937_64& random, const std::string& kind) {
@@ -119,8 +119,12 @@ const std::vector<PlantKind>& PlantKinds() {
       {"Q_vn_step", kRelative, {"Q_vn_drift"}},
       {"pressure_gain", kLibrary, {"pressure_gain"}},
       {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}},
+      {"pressure_gain_drift", kLibrary, {"pressure_gain_drift"}},
       {"pressure_offset_temperature", kLibrary, {"pressure_offset_temperature"}},
       {"pressure_crosstalk", kLibrary, {"pressure_crosstalk"}},
+      {"pressure_position_crosstalk", kLibrary, {"pressure_position_crosstalk"}},
+      {"pressure_nonlinearity", kLibrary, {"pressure_nonlinearity"}},
+      {"position_nonlinearity", kLibrary, {"position_nonlinearity"}},
       {"displacement_gain_temperature", kLibrary, {"displacement_gain_temperature"}},
       {"spool_null_temperature", kLibrary, {"spool_null_temperature"}},
       {"pressure_zero", kLibrary, {"pressure_offset"}},
@@ -136,6 +140,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"leaky_stretch", kLibrary, {"internal_leakage"}},
       {"bad_stretch", kRelative, {"pressure_offset", "pressure_offset_drift"}},
       {kSecondEffect, kLibrary, {}, true},
+      {"spool_null_pressure", kRelative, {}},
       {"quadratic_relief", kRelative, {"relief_valve"}},
       {"rectangular_zone", kRelative, {"position_dependent_leakage"}},
       {"exponential_viscosity", kRelative, {"oil_viscosity"}},

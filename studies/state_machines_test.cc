@@ -78,11 +78,19 @@ TEST(StateMachines, ANextLogInWhichTheRunLosesItsWayIsToldFromOneThatRefutesTheM
       EXPECT_LT(run.error, 1.5);
       EXPECT_FALSE(run.loses_its_way);
       EXPECT_TRUE(run.beyond.empty());
+      Episode moved = next;  // the zero of a sensor
+      moved.signal.col(model->get()->outputs.front()).array() += 5 * fit.noise[0];
+      const StateFit off = FollowStates(*model, std::span(&moved, 1), fit.parameters, fit.noise);
+      const HeldOutRun said = LookAtHeldOut(fit, std::span(&fitted, 1), off, std::span(&moved, 1));
+      ASSERT_EQ(said.constant.size(), 1u);
+      EXPECT_NEAR(said.constant[0].by, 5 * fit.noise[0], fit.noise[0]);
+      EXPECT_GT(said.constant[0].share, 0.9);
       continue;
     }
     EXPECT_GT(run.error, 1.5);
     EXPECT_LT(run.short_error, 1.1);
     EXPECT_TRUE(run.loses_its_way);
+    EXPECT_TRUE(run.constant.empty());
     EXPECT_FALSE(HeldOutTexts(run, **model, "next.csv").empty());
     StateFit wrong = fit;  // a model that is wrong errs over short runs too
     wrong.parameters[2] *= 1.02;

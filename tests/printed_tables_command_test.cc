@@ -53,10 +53,26 @@ TEST_F(PrintedTables, TheSpoolNullIsInPercentOfItsStrokeEverywhere) {
   for (const char* command : {"fit", "check", "explain"}) {
     const Ran ran = Run({command, log, "-m", kMachine});
     EXPECT_THAT(ran.out, AllOf(HasSubstr("% of stroke"), Not(HasSubstr("+-")))) << command;
+    EXPECT_THAT(ran.out, Not(testing::ContainsRegex("[0-9]e[+-]"))) << command;
+    EXPECT_THAT(ran.out, testing::ContainsRegex("K .* 1[0-9]{4} ")) << command;
   }
   const Ran replay = Run({"replay", log, "-m", kMachine, "--db", File("press.db")});
   EXPECT_THAT(replay.out, HasSubstr("% of stroke"));
   EXPECT_THAT(Run({"trends", "--db", File("press.db")}).out, HasSubstr("% of stroke"));
+}
+
+TEST_F(PrintedTables, WhatChangedBetweenLogsTakesALineEach) {
+  const std::string db = File("since.db"), leak = "--effect=internal_leakage=6e-12";
+  ASSERT_EQ(
+      Run({"replay", Simulate("a.csv", 60, 1), Simulate("b.csv", 60, 2, {leak}), "-m", kMachine, "--db", db})
+          .exit_code,
+      0);
+  const Ran ran = Run({"explain", "--db", db, "--since", "run:2"});
+  EXPECT_THAT(ran.out, testing::ContainsRegex(
+                           "\n  K +1[0-9]{4} ± [0-9]+ -> +1[0-9]{4} ± [0-9]+ bar  [+-][0-9.]+ %\n"));
+  EXPECT_THAT(ran.out, testing::ContainsRegex("\n  y_0 .* % of stroke"));
+  EXPECT_THAT(ran.out,
+              testing::ContainsRegex("before, with the model that explains them .* sensor noise alone 0"));
 }
 
 TEST_F(PrintedTables, AnOldLoggersHeaderIsReadAndLongNamesBreakNoRow) {

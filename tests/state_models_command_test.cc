@@ -40,6 +40,21 @@ TEST_F(StateModels, NobodyIsSentForMoreOfALogThatTheModelDoesNotDescribe) {
   EXPECT_THAT(check, Not(AnyOf(HasSubstr("record "), HasSubstr("noise alone"))));
 }
 
+/// What rests between noisy phases is stuck for a sensor, and none of an episode's rows is left out for it.
+TEST_F(StateModels, AnInputThatRestsIsNoFaultForCheckEither) {
+  StatesLog log = SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 2000});
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::string text = "t,u,y\n";
+  for (std::size_t row = 0; row < log.time.size(); ++row)
+    text += fmt::format("{:.9f},{:.9f},{:.9f}\n", log.time[row],
+                        row % 500 < 400 ? log.input[row] + 0.01 * normal(random) : 0.0, log.outputs[0][row]);
+  WriteText(File("log.csv"), text);
+  const Ran ran = Of("check");
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_THAT(ran.out, Not(AnyOf(HasSubstr("flagged"), HasSubstr("left out, never"))));
+}
+
 TEST_F(StateModels, WhatIsMissingIsNoNoiseAndWhatIsLeftWithItIs) {
   const nlohmann::json before =
       Run({"compare", File("log.csv"), "-m", File("machine.toml"), "--json", "-"}).Json();

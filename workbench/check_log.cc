@@ -5,6 +5,8 @@
 #include "core/constants.h"
 #include "core/contains.h"
 #include "models/machine_kind.h"
+#include "models/state_model.h"
+#include "pipeline/episode_cutter.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -92,6 +94,31 @@ void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult&
   DoubtSlowRows(check);
 }
 
+/// Signals that a model with states takes for inputs; empty for other machines and where the model does not build.
+std::vector<std::size_t> StateInputs(const Machine& machine) {
+  if (!KindOf(machine).has_states) return {};
+  const auto model = BuildStateModel(machine, machine.added_effects);
+  return model ? std::vector<std::size_t>((*model)->inputs.begin(), (*model)->inputs.end())
+               : std::vector<std::size_t>();
+}
+
+/// The rows without the flags that episodes take no notice of.
+SampleBlock AsEpisodesTake(SampleBlock rows, const std::vector<std::size_t>& inputs) {
+  for (const std::size_t s : inputs)
+    for (Quality& flags : rows.quality[s]) flags &= static_cast<Quality>(~EpisodeCutter::kFineOnInputs);
+  return rows;
+}
+
+/// The same of what was counted.
+void CountAsEpisodesTake(const std::vector<std::size_t>& inputs, CheckResult& check) {
+  for (const std::size_t s : inputs) {
+    const auto counted = check.pass.summary.flagged.find(check.machine.signals[s].name);
+    if (counted == check.pass.summary.flagged.end()) continue;
+    for (const auto& [flag, name] : quality::kFlagNames)
+      if ((flag & EpisodeCutter::kFineOnInputs) != 0) counted->second.erase(std::string(name));
+  }
+}
+
 /// What a fit of the model with states says of this log.
 void TakeStatesFit(const std::string& log, CheckResult& check) {
   auto episodes = ReadEpisodes({log}, check.machine);
@@ -162,14 +189,18 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     pipeline->set_tap(strokes.Tap());
   }
   SignalSurvey survey(check.machine, check.sample_period);
+  const std::vector<std::size_t> inputs = StateInputs(check.machine);
   LogPassHooks hooks;
-  hooks.observe = [&](const SampleBlock& block) { survey.Observe(block); };
+  hooks.observe = [&](const SampleBlock& block) {
+    survey.Observe(inputs.empty() ? block : AsEpisodesTake(block, inputs));
+  };
   auto pass = PassLog(**reader, check.machine, pipeline.get(), "checking", hooks);
   if (!pass) return tl::unexpected(pass.error());
   if (pass->summary.rows == 0)
     return BadInput("{}: no row could be read{}{}", log, pass->summary.stopped.empty() ? "" : ": ",
                     pass->summary.stopped);
   check.pass = std::move(*pass);
+  CountAsEpisodesTake(inputs, check);
   check.time = survey.time();
   TakeSignals(survey, check);
   check.time_base = (*reader)->counters().time_base;

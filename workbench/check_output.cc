@@ -8,7 +8,9 @@
 
 #include "core/constants.h"
 #include "core/counted_words.h"
+#include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
@@ -105,7 +107,7 @@ std::string Signals(const CheckResult& check) {
   for (const CheckedSignal& s : check.signals) {
     const DisplayUnit unit = ShownUnit(check.machine, s.spec.name);
     const auto number = [&](double si, double offset) {
-      return std::isfinite(si) ? fmt::format("{:.4g}", si * unit.factor + offset) : std::string("-");
+      return std::isfinite(si) ? ShortNumber(si * unit.factor + offset, 4) : std::string("-");
     };
     const double good = 100.0 * static_cast<double>(s.range.good) /
                         static_cast<double>(std::max<std::int64_t>(1, check.time.rows));
@@ -177,20 +179,21 @@ std::string Identification(const CheckResult& check) {
                                                              : "NO";
     text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
     if (std::isfinite(half))
-      text += fmt::format("{:>10.4g} ± {:<9.3g} {:<{}}", p.estimate.value * unit.factor + unit.offset, half,
+      text += fmt::format("{:>21} {:<{}}", WithInterval(p.estimate.value * unit.factor + unit.offset, half),
                           unit.name, unit_width);
     if (p.estimate.unit != "1" && std::isfinite(half))
-      text += fmt::format("(± {:.2g} %)", 100 * HalfWidth(p.estimate));
+      text += fmt::format("(± {} %)", ShortNumber(100 * HalfWidth(p.estimate), 2));
     text += "\n";
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);
     if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice.english);
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = UnitOfErrors(check.machine);
-    text += fmt::format("  model error on {} left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
-                        CountedWordsOf(check.machine).many, check.figures.rms_holdout * unit.factor,
-                        unit.name, check.noise_at_most ? "at most" : "alone would cause",
-                        check.figures.noise_floor * unit.factor, unit.name);
+    text +=
+        fmt::format("  model error on {} left out {} {}, sensor noise {} {} {}\n",
+                    CountedWordsOf(check.machine).many, ShortNumber(check.figures.rms_holdout * unit.factor),
+                    unit.name, check.noise_at_most ? "at most" : "alone would cause",
+                    ShortNumber(check.figures.noise_floor * unit.factor), unit.name);
     if (const Told impossible = ImpossibleOf(check); !impossible.empty())
       text += fmt::format("  {}\n", impossible.english);
   }

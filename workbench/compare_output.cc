@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/json_value.h"
+#include "core/short_number.h"
 #include "models/counted_words.h"
 #include "models/output_unit.h"
 #include "workbench/explain/explain_log.h"
@@ -70,27 +71,28 @@ std::string OverallText(const CompareResult& result) {
   const MachineWords& words = result.log.model->words;
   text += fmt::format(
       "\n{}, rms in {}\n"
-      "  measured               {:>8.3g}\n"
-      "  modelled               {:>8.3g}\n"
-      "  difference             {:>8.3g}   {} % of the measured {}\n"
-      "  ... {:<18} {:>8.3g}\n"
-      "  sensor noise alone     {:>8.3g}\n"
-      "  model error            {:>8.3g}   what is above the noise\n",
-      AtBegin(words.output.english, *result.log.model), unit.name, o.rms_measured * unit.factor,
-      o.rms_modelled * unit.factor, o.rms_residual * unit.factor, InPercent(o.relative_error()),
-      words.output.english, fmt::format("{} left out", counted.many),
-      result.model.figures.rms_holdout * unit.factor, o.noise_floor * unit.factor,
-      o.model_error() * unit.factor);
+      "  measured               {:>8}\n"
+      "  modelled               {:>8}\n"
+      "  difference             {:>8}   {} % of the measured {}\n"
+      "  ... {:<18} {:>8}\n"
+      "  sensor noise alone     {:>8}\n"
+      "  model error            {:>8}   what is above the noise\n",
+      AtBegin(words.output.english, *result.log.model), unit.name, ShortNumber(o.rms_measured * unit.factor),
+      ShortNumber(o.rms_modelled * unit.factor), ShortNumber(o.rms_residual * unit.factor),
+      InPercent(o.relative_error()), words.output.english, fmt::format("{} left out", counted.many),
+      ShortNumber(result.model.figures.rms_holdout * unit.factor), ShortNumber(o.noise_floor * unit.factor),
+      ShortNumber(o.model_error() * unit.factor));
   if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
   if (o.free_run) {
     const DisplayUnit run = RunUnit(result);
     const std::string& called = result.model.structure->free_run->called;
     text += fmt::format(
         "\n{} that the model runs by itself from the begin of each {}, rms in {}\n"
-        "  measured               {:>8.4g}\n"
-        "  difference             {:>8.3g}   {:.2g} % of the measured {}\n",
-        AtBegin(called, *result.log.model), counted.one, run.name, result.rms_run * run.factor,
-        *o.free_run * run.factor, PercentOfRun(result), called);
+        "  measured               {:>8}\n"
+        "  difference             {:>8}   {} % of the measured {}\n",
+        AtBegin(called, *result.log.model), counted.one, run.name,
+        ShortNumber(result.rms_run * run.factor, 4), ShortNumber(*o.free_run * run.factor),
+        ShortNumber(PercentOfRun(result), 2), called);
   }
   return text;
 }
@@ -110,15 +112,15 @@ std::string StrokesText(const CompareResult& result) {
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
-    text +=
-        fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5} {:>9.3g}{}{}\n", s.stroke,
-                    std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
-                    s.rms_measured * unit.factor, s.rms_modelled * unit.factor, s.rms_residual * unit.factor,
-                    InPercent(s.relative_error()), s.noise_floor * unit.factor,
-                    runs ? fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * run.factor)
-                                                            : std::string("-"))
-                         : std::string(),
-                    k == worst ? " worst" : "");
+    text += fmt::format(
+        "  {:>6} {:>8} {:>9} {:>9} {:>11} {:>5} {:>9}{}{}\n", s.stroke,
+        std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
+        ShortNumber(s.rms_measured * unit.factor), ShortNumber(s.rms_modelled * unit.factor),
+        ShortNumber(s.rms_residual * unit.factor), InPercent(s.relative_error()),
+        ShortNumber(s.noise_floor * unit.factor),
+        runs ? fmt::format(" {:>9}", s.free_run ? ShortNumber(*s.free_run * run.factor) : std::string("-"))
+             : std::string(),
+        k == worst ? " worst" : "");
   }
   if (result.per_stroke.size() > kShown)
     text += fmt::format("  ... the first {} of {} {}; --json has all\n", kShown, result.per_stroke.size(),

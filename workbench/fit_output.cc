@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/counted_words.h"
 #include "core/interval_text.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
@@ -56,23 +57,23 @@ std::string FitText(const FitResult& result) {
   text += fmt::format("{:<{}} {:>11} {:>25}  unit\n", "", width, "value", "95 % interval");
   for (const Estimate& e : result.fit.parameters) {
     const DisplayUnit unit = ParameterUnit(KindOf(machine), e.parameter, e.unit);
-    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     const int digits = DigitsFor(e.value, kNormal95 * e.std);
+    const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset, digits); };
     const bool trusted = e.reason == EstimateReason::kUpdated;
-    text += fmt::format("{:<{}} {:>11.{}g} {:>11.{}g} ... {:<10.{}g} {:<{}} {}{}\n", e.parameter, width,
-                        shown(e.value), digits, shown(e.value - kNormal95 * e.std), digits,
-                        shown(e.value + kNormal95 * e.std), digits, unit.name, unit_width,
-                        Meaning(result, e.parameter),
+    text += fmt::format("{:<{}} {:>11} {:>11} ... {:<10} {:<{}} {}{}\n", e.parameter, width, shown(e.value),
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
+                        unit_width, Meaning(result, e.parameter),
                         !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
                         : trusted                      ? ""
                                   : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
-      "\nmodel error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n"
+      "\nmodel error on strokes left out {} {}, sensor noise alone would cause {} {}\n"
       "{}, {} of {} rows used\n",
-      result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
-      Counted(result.fit.strokes, "stroke"), result.log.totals.used, result.log.totals.samples);
+      ShortNumber(result.fit.rms_holdout * unit.factor), unit.name,
+      ShortNumber(result.fit.noise_floor * unit.factor), unit.name, Counted(result.fit.strokes, "stroke"),
+      result.log.totals.used, result.log.totals.samples);
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";

@@ -1,13 +1,13 @@
 #include "workbench/fit_suspicion.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
 #include "core/json_value.h"
 #include "core/told_error.h"
 #include "workbench/explain/headline.h"
+#include "workbench/explain/odd_text.h"
 
 namespace hydroscope {
 namespace {
@@ -31,18 +31,6 @@ Told GroupTold(const ExplainResult& explained, const std::vector<std::string>& g
     names = names.empty() ? TitleOf(explained, id)
                           : Tell("{} or {}", "{} oder {}", names, TitleOf(explained, id));
   return names;
-}
-
-Told OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
-  std::vector<std::int64_t> numbers;
-  for (const std::size_t s : odd.strokes) numbers.push_back(explained.log.strokes[s].summary.index);
-  const Told as_by = odd.parameter.empty()
-                         ? Told()
-                         : Tell(", as by another value of {} in them,",
-                                ", wie durch einen anderen Wert von {} in ihnen,", odd.parameter);
-  return Tell("strokes {} differ from the rest{} and are left out of the parameters",
-              "die Hübe {} sind anders als die übrigen{} und gehen nicht in die Parameter ein",
-              fmt::format("{}", fmt::join(numbers, ", ")), as_by);
 }
 
 Told Sentence(const ExplainResult& explained) {
@@ -78,7 +66,7 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
   const Explanation& x = explained.explanation;
   FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false, x.no_verdict.empty()};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
-  for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
+  for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddText(explained, odd));
   if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));
   return out;
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted_words.h"
+#include "core/short_number.h"
 #include "core/told_error.h"
 #include "diagnosis/remainder/residuals.h"
 
@@ -59,8 +60,8 @@ Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& l
 }
 
 std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit) {
-  return fmt::format("error on {}, held out: {:.3g} {}, {}\n", error.log, error.rms * unit.factor, unit.name,
-                     Counted(error.strokes, "stroke"));
+  return fmt::format("error on {}, held out: {} {}, {}\n", error.log, ShortNumber(error.rms * unit.factor),
+                     unit.name, Counted(error.strokes, "stroke"));
 }
 
 nlohmann::json HeldOutJson(const HeldOutError& error, const DisplayUnit& unit) {

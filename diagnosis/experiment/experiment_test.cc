@@ -92,7 +92,8 @@ TEST(ExperimentOfADrift, StrokesRecordedLaterTellItFromTheOil) {
   };
   LogStrokes log = strokes_of(press);
   const Explanation before = ExplainSamples(log.model, log.stretches, log.window);
-  ASSERT_THAT(before.set, testing::UnorderedElementsAre("oil_viscosity", "Q_vn_drift"));
+  ASSERT_THAT(before.set,
+              testing::UnorderedElementsAre("oil_viscosity", "Q_vn_drift", "pressure_gain_drift"));
   const Experiment e = ProposeExperiment(before, log.machine, log.stretches, log.window);
   ASSERT_TRUE(e.proposed());
   EXPECT_THAT(e.left, testing::IsEmpty());

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/quantile.h"
+#include "core/short_number.h"
 #include "diagnosis/experiment/moved_stroke.h"
 #include "diagnosis/experiment/rival_separation.h"
 #include "models/expressions/check.h"
@@ -320,8 +321,8 @@ Told LevelsText(const SignalLevels& s) {
   const auto shown = [&](double si) { return (si - (s.speed ? 0 : unit.offset)) / unit.scale; };
   std::vector<std::string> levels;
   for (const auto& [low, high] : s.levels)
-    levels.push_back(low == high ? fmt::format("{:.4g}", shown(low))
-                                 : fmt::format("{:.4g} ... {:.4g}", shown(low), shown(high)));
+    levels.push_back(low == high ? ShortNumber(shown(low), 4)
+                                 : ShortNumber(shown(low), 4) + " ... " + ShortNumber(shown(high), 4));
   const Told name =
       s.speed ? Tell("the speed of {}", "die Geschwindigkeit von {}", s.signal) : Told(s.signal);
   const std::string dimension = s.unit == "1" ? (s.speed ? "1/s" : "") : s.unit + (s.speed ? "/s" : "");

@@ -407,8 +407,20 @@ class EffectSearch {
     if (out_.dynamics) out_.warnings.push_back(MissingDynamicsText(*out_.dynamics));
   }
 
+  /// What the model as it is does not show may be seen about the set found, from where a tank whose level is right reaches its brim.
+  void LookAgainAtUnseen() {
+    if (out_.final.added.empty()) return;
+    std::erase_if(out_.not_seen, [this](const auto& unseen) {
+      std::vector<std::string> added = out_.final.added;
+      if (std::find(added.begin(), added.end(), unseen.first) != added.end()) return true;
+      added.push_back(unseen.first);
+      const auto contender = fits_->Screened(added, out_.final);
+      return contender && contender->seen == EffectSeen::kYes;
+    });
+  }
+
   void Conclude() {
-    for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
+    LookAgainAtUnseen();
     out_.steps = StaircaseTo(out_.final, levels_);
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;

@@ -42,6 +42,29 @@ std::vector<HeldOutRun::Beyond> BeyondFitted(const StateModel& model, std::span<
   return out;
 }
 
+/// Outputs that err by more than on the log fitted, most of it by a constant.
+std::vector<HeldOutRun::Constant> Constants(const StateFit& fit, const StateFit& followed,
+                                            const HeldOutRunOptions& options) {
+  const StateModel& model = *followed.model;
+  const Eigen::VectorXd rms = RmsOf(followed.residuals, model.output.rows);
+  std::vector<HeldOutRun::Constant> out;
+  for (int j = 0; j < model.output.rows; ++j) {
+    if (rms[j] < options.more * fit.noise[j]) continue;
+    double sum = 0, readings = 0;
+    for (const RowMatrix& residuals : followed.residuals)
+      for (Eigen::Index row = 0; row < residuals.rows(); ++row)
+        if (const double r = residuals(row, j); std::isfinite(r)) {
+          sum += r;
+          ++readings;
+        }
+    const double mean = sum / std::max(1.0, readings), share = mean * mean / (rms[j] * rms[j]);
+    if (share < options.constant_share) continue;
+    const auto signal = static_cast<std::size_t>(model.outputs[static_cast<std::size_t>(j)]);
+    out.push_back({model.machine.signals[signal].name, mean, share});
+  }
+  return out;
+}
+
 }  // namespace
 
 HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, const StateFit& followed,
@@ -50,6 +73,7 @@ HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, c
   out.error = ErrorOver(fit, followed);
   if (out.error < options.more) return out;
   out.beyond = BeyondFitted(*fit.model, fitted, held_out, options.beyond);
+  out.constant = Constants(fit, followed, options);
   if (!BeginsAnywhere(fit.model->machine)) return out;
   const std::vector<Episode> runs = ShortRuns(held_out, options.rows);
   if (runs.empty()) return out;
@@ -73,6 +97,16 @@ std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, c
         "kleine Unterschiede, bis ein so langer Lauf sich verliert. Nach kürzeren Episoden urteilen ([episodes] seconds) oder "
         "mehr Aufzeichnungen zusammen anpassen",
         log, run.error, options.rows, run.short_error));
+  for (const HeldOutRun::Constant& c : run.constant) {
+    const DisplayUnit unit = ShownUnit(model.machine, c.signal);
+    texts.push_back(Tell(
+        "{:.0f} % of the error's energy of {} over {} is a constant, {:+.3g} {}: the zero of its sensor has moved between the "
+        "logs, or something else that the model takes for constant; law and other parameters may hold all the same",
+        "{:.0f} % der Energie des Fehlers von {} über {} sind eine Konstante, {:+.3g} {}: der Nullpunkt des Sensors hat sich "
+        "zwischen den Aufzeichnungen verschoben, oder etwas anderes, was das Modell für konstant hält; Gesetz und andere "
+        "Parameter können dennoch gelten",
+        100 * c.share, c.signal, log, c.by * unit.factor, std::string(unit.name)));
+  }
   for (const HeldOutRun::Beyond& b : run.beyond) {
     const DisplayUnit unit = ShownUnit(model.machine, b.signal);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };

@@ -14,6 +14,8 @@ struct HeldOutRunOptions {
   double more = 1.5;       ///< error over the fit's from which on a cause is looked for
   double as_fitted = 1.2;  ///< ... below which a run errs as it does on the log fitted
   double beyond = 0.05;    ///< of the fitted range of a signal: less beyond it counts as within
+  /// Share of an output's energy that a constant takes away if its zero has moved; of what drifts off at random it is less.
+  double constant_share = 0.8;
 };
 
 /// What a free run over a log held out says of a model, beyond how much it errs.
@@ -30,6 +32,12 @@ struct HeldOutRun {
   /// parameters grow in it.
   bool loses_its_way = false;
   std::vector<Beyond> beyond;  ///< where the run errs by more than on the log fitted
+  /// An output whose error is a constant, SI: measured less modelled.
+  struct Constant {
+    std::string signal;
+    double by = 0, share = 0;  ///< of the error's energy
+  };
+  std::vector<Constant> constant;
 };
 
 /// `followed`: FollowStates of `fit` on the episodes held out.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/short_number.h"
 #include "core/units.h"
 #include "estimation/states/row_course.h"
 #include "models/machine_kind.h"
@@ -119,8 +120,7 @@ Told MoveText(const RecordMove& move, const StateModel& model, const Episode& re
     const int signal = model.machine.SignalIndex(move.course->signal);
     const DisplayUnit unit = unit_of(signal);
     std::vector<std::string> levels;
-    for (const double level : move.course->levels)
-      levels.push_back(fmt::format("{:.3g}", level * unit.factor));
+    for (const double level : move.course->levels) levels.push_back(ShortNumber(level * unit.factor));
     return Tell("{} as a {} of {} {}, {:g} s each", "{} als {} von {} {}, je {:g} s", name(signal),
                 move.course->name, fmt::to_string(fmt::join(levels, ", ")), std::string(unit.name),
                 move.course->seconds);

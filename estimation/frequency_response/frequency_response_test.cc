@@ -370,7 +370,7 @@ TEST(FrequencyResponse, OnlyTheFrequenciesAskedForEnterTheModel) {
   EXPECT_EQ(options.Validate().error().kind, ErrorKind::kUsage);
   options.highest = 1e9;
   EXPECT_THAT(MeasureFrequencyResponse(record, options).error().text,
-              testing::HasSubstr("no usable frequency lies within 170 to 1e+09 Hz, 16 of 16 lie outside"));
+              testing::HasSubstr("no usable frequency lies within 170 to 1e9 Hz, 16 of 16 lie outside"));
 }
 
 /// Response and command of the measured press chirp; empty if the file is not there.

@@ -322,6 +322,9 @@ TEST(Imperfections, ThePressureReadsWithGainZeroDriftAndHum) {
                             warm = read("pressure_gain_temperature", 0.001),
                             warm_zero = read("pressure_offset_temperature", 2e4, {{"set_at", 300}}),
                             of_spool = read("pressure_crosstalk", 2e5),
+                            of_position = read("pressure_position_crosstalk", 2e6),
+                            growing = read("pressure_gain_drift", 0.02),
+                            bent = read("pressure_nonlinearity", 0.02),
                             drift = read("pressure_offset_drift", 4e5),
                             bad = read("bad_stretch", 10e5, {{"begin", 0.5}, {"length", 0.25}}),
                             hum = read("sensor_hum", 1e5, {{"frequency", 12.5}, {"phase", 0}});
@@ -330,6 +333,9 @@ TEST(Imperfections, ThePressureReadsWithGainZeroDriftAndHum) {
     ASSERT_NEAR(warm[k], (1 + 0.001 * (clean.T_oil[k] - 313.15)) * clean.p_A[k], 1e-3);
     ASSERT_NEAR(warm_zero[k], clean.p_A[k] + 2e4 * (clean.T_oil[k] - 300), 1e-3);
     ASSERT_NEAR(of_spool[k], clean.p_A[k] + 2e5 * clean.y_v[k], 1e-3);
+    ASSERT_NEAR(of_position[k], clean.p_A[k] + 2e6 * clean.z[k], 1e-3);
+    ASSERT_NEAR(bent[k], clean.p_A[k] * (1 + 0.02 * clean.p_A[k] / 100e5), 1e-3);
+    ASSERT_NEAR(growing[k], clean.p_A[k] * (1 + 0.02 * clean.t[k] / 12), 1e-3);
     ASSERT_NEAR(zero[k], clean.p_A[k] + 4e5, 1e-3);
     ASSERT_NEAR(drift[k], clean.p_A[k] + 4e5 * clean.t[k] / 12, 1e-3);
     ASSERT_NEAR(bad[k], clean.p_A[k] + (k >= 3000 && k < 4500 ? 10e5 : 0), 1e-3);
@@ -342,11 +348,14 @@ TEST(Imperfections, DisplacementsAndCrosstalkGoWithTheirChannel) {
   options.noise = {0, 0, 0, 0, 0, 0, 0, 0};
   const SimulatedLog clean = SimulatePress(options);
   options.imperfections = {{"displacement_gain_temperature", 1e-3, {}, "y_v"},
-                           {"pressure_crosstalk", 2e5, {}, "U_v"}};
+                           {"pressure_crosstalk", 2e5, {}, "U_v"},
+                           {"position_nonlinearity", 0.01, {{"stroke", 0.25}}, ""},
+                           {"spool_null_pressure", 2e-10, {}, ""}};
   const SimulatedLog log = SimulatePress(options);
-  EXPECT_EQ(log.z, clean.z);
   for (std::size_t k = 0; k < clean.rows(); ++k) {
-    ASSERT_NEAR(log.y_v[k], clean.y_v[k] * (1 + 1e-3 * (clean.T_oil[k] - 313.15)), 1e-12);
+    ASSERT_NEAR(log.z[k], clean.z[k] + 0.01 * clean.z[k] * (1 - clean.z[k] / 0.25), 1e-12);
+    ASSERT_NEAR(log.y_v[k], clean.y_v[k] * (1 + 1e-3 * (clean.T_oil[k] - 313.15)) + 2e-10 * log.p_A[k],
+                1e-12);
     ASSERT_NEAR(log.p_A[k], clean.p_A[k] + 2e5 * clean.U_v[k] / 10, 1e-3);
   }
 }

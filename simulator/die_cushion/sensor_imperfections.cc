@@ -58,6 +58,9 @@ void SensorImperfections::Distort(PressRow& row) {
       case kPressureGainTemperature:
         row.p_A *= 1 + one.size * (row.T_oil - kWarmOil);
         break;
+      case kPressureGainDrift:
+        row.p_A *= 1 + one.size * part;
+        break;
       case kPressureZero:
         row.p_A += one.size;
         break;
@@ -77,6 +80,15 @@ void SensorImperfections::Distort(PressRow& row) {
         break;
       case kSpoolBend:
         row.y_v += one.size * row.y_v * std::pow(std::abs(row.y_v), one.extras[0] - 1);
+        break;
+      case kPressureBend:
+        row.p_A *= 1 + one.size * row.p_A / 100e5;
+        break;
+      case kPositionBend:
+        row.z += one.size * row.z * (1 - row.z / one.extras[0]);
+        break;
+      case kSpoolPressure:
+        row.y_v += one.size * row.p_A;
         break;
       case kSensorHum:
         row.p_A += one.size * std::sin(2 * std::numbers::pi * one.extras[0] * row.t + one.extras[1]);

@@ -122,7 +122,7 @@ export interface LoopChanges {
 
 export interface Ranked {
   effect: string; rms_holdout: number | null; p_value: number; testable: boolean; why_not: string | null; german?: { why_not: string }; gain: number;
-  significant?: boolean; parameters: Parameters;
+  significant?: boolean; fitted?: boolean; parameters: Parameters;
 }
 export interface Plan {
   strokes: number; speeds?: number[]; pressures?: number[]; rod_pressures?: number[]; warm_up?: number; seconds: number;
@@ -132,7 +132,7 @@ export interface ExplainResult {
   verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; may_be_noise?: boolean; small_error?: boolean; slow?: boolean; short_runs?: boolean; astray?: boolean; doubtful?: boolean; nearest?: string[]; noise_at_most?: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
   final: { rms_holdout: number; drifts?: Record<string, string>; german?: { drifts: Record<string, string> } }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
-  odd_strokes?: { strokes: number[]; set: string[]; parameter?: string }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
+  odd_strokes?: { strokes: number[]; set: string[]; parameter?: string; sentence: string; german?: { sentence: string } }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
   swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
   remainder?: { equation?: string; value_unit?: string; signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
   located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;

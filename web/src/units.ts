@@ -93,7 +93,7 @@ export const withUnit = (number: string, unit: string) => (unit ? `${number}${ti
 const named = /(?<=\d) (?=(?:%|°|(?:[kMG]?Pa|bar|psi|[lm]|l\/min|m[ms³²]?|mm\/s|cm[²³]?|gal|[kM]?N|k?Hz|m?s|min|h|m?[AV]|K|kg|rad|dB|[kMGT]B)(?![\wäöüß'(])))/g;
 
 /** A sentence in which numbers keep to their units. */
-export const kept = (sentence: string) => sentence.replace(named, tie).replace(/± (?=\d)/g, `±${tie}`);
+export const kept = (sentence: string) => sentence.replace(named, tie).replace(/ ± (?=\d)/g, `${tie}±${tie}`);
 
 /** "12.3 MPa" of a number that the program gives in bar. */
 export function amount(value: number | null | undefined, name: string, digits = 3): string {
@@ -108,10 +108,14 @@ export const grouped = (count: number) => count.toLocaleString(comma ? "de" : "e
 
 const written = (number: string) => (comma ? number.replace(".", ",") : number);
 
+/** "12345", "0.0123", "4.51e-12": as commands write it (core/short_number.h). */
 export function short(value: number | null | undefined, digits = 3): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return written(value.toExponential(digits - 1));
+  if (size !== 0 && (size < 1e-4 || size >= 1e6)) {
+    const [figures, power] = value.toExponential(digits - 1).split("e");
+    return written(`${Number(figures)}e${Number(power)}`);
+  }
   return written(String(Number(value.toPrecision(Math.max(digits, Math.ceil(Math.log10(size + 1)))))));
 }
 
@@ -140,7 +144,7 @@ export function halfText(value: number, half: number | null): string {
   const scale = exponent < -4 || exponent > 6 ? 10 ** exponent : 1, shown = value / scale, wide = half / scale;
   const decimals = Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(Math.max(wide, 1e-4 * Math.abs(shown))))));
   const fixed = (number: number) => { const text = number.toFixed(decimals); return Number(text) === 0 ? (0).toFixed(decimals) : text; };
-  const numbers = `${written(fixed(shown))} ±${tie}${written(Number(fixed(wide)) === 0 ? wide.toExponential(0) : fixed(wide))}`;
+  const numbers = `${written(fixed(shown))}${tie}±${tie}${written(Number(fixed(wide)) === 0 ? wide.toExponential(0) : fixed(wide))}`;
   return scale === 1 ? numbers : `(${numbers})e${exponent}`;
 }
 

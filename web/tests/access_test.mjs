@@ -5,6 +5,7 @@ import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { request as plainRequest } from "node:http";
 import { request as tlsRequest } from "node:https";
+import { connect } from "node:net";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { assertAccessible, assertFits, endBrowser, patience, startBrowser, visitServed } from "./browser_fixture.mjs";
@@ -167,6 +168,12 @@ test("other computers see nothing without a login, and speak TLS", async (t) => 
   assert.equal(await status("", { Host: `press7.plant:${served.port}` }), 200);
   assert.equal(await status("", { Host: `evil.example:${served.port}` }), 421);
   assert.equal(await fetch(address.replace("https", "http")).then((answer) => answer.status, () => 0), 0, "no plain HTTP");
+  const silent = Array.from({ length: 400 }, (_, k) => connect(served.port, "127.0.0.1").on("error", () => {}).on("connect", function () { if (k % 2) this.write("\x16\x03\x01\x02"); }));
+  await Promise.all(silent.map((socket) => new Promise((done) => socket.once("connect", done).once("close", done))));
+  const begin = performance.now();
+  assert.equal(await status("api/v1/effects"), 401);
+  assert.ok(performance.now() - begin < 10_000, "who never ends a handshake keeps nobody out");
+  for (const socket of silent) socket.destroy();
 
   await page.goto(`${address}#view=alarms&alarm=die_cushion/internal_leakage`);
   await page.waitForSelector(".login");

@@ -53,6 +53,9 @@ export async function errorsOfVersions(page) {
   return page.locator(".staircase .error").allInnerTexts();
 }
 
+/** Sheets of paper that the page is printed on. */
+export const pagesOf = async (page) => (await page.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
+
 /** Goes to an element with the Tab key alone, as somebody without a mouse does. */
 export async function tabTo(page, selector) {
   await page.waitForSelector(selector);

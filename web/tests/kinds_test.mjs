@@ -125,7 +125,7 @@ test("the kind is chosen where columns say nothing; picture, sensors and words f
 test("a test cylinder is judged by its frequency response: what changed from the references of its file, and from an earlier log", async (t) => {
   for (const [name, words] of [["march", []], ["today", ["--valve", "38", "--seed", "2"]]]) run(["simulate", "test-cylinder", "--out", `${name}.csv`, "--seconds", "20", ...words], place.path);
   const { page, address } = await visitIn(place.path, t, ["march.csv", "today.csv", "--machine", join(machines, "test_cylinder.toml")]);
-  const gain = async () => Number((await page.locator("[data-change=valve_gain]").innerText()).match(/Flow gain of the valve: ([\d.]+) ±\s[\d.]+ times/i)[1]);
+  const gain = async () => Number((await page.locator("[data-change=valve_gain]").innerText()).match(/Flow gain of the valve: ([\d.]+)\s±\s[\d.]+ times/i)[1]);
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
   await page.waitForSelector("[data-verdict=named]");
@@ -165,7 +165,7 @@ test("the log of a sweep of a valve goes from its file alone to gain and phase w
   const shown = async () => (await page.locator(".centre table").first().innerText()).replace(/\s+/g, " ");
   const figure = ({ value, std }, digits) => `${value.toFixed(digits)} ± ${(1.96 * std).toFixed(digits)}`;
   assert.ok((await shown()).includes(`natural frequency ${figure(frf.model.f0_hz, 3)} Hz`), await shown());
-  assert.match(await page.locator(".verdict-panel").innerText(), /The gain is 3\sdB lower at [\d.]+ ±\s[\d.]+\sHz/);
+  assert.match(await page.locator(".verdict-panel").innerText(), /The gain is 3\sdB lower at [\d.]+\s±\s[\d.]+\sHz/);
   await assertAccessible(page, "valve");
   await page.setInputFiles("input.more-logs", join(place.path, "new.csv"));
   await page.selectOption("select[name=hold-out]", "new.csv");

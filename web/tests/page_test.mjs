@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, errorsOfVersions, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -46,6 +46,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.waitForSelector(".pin.sure");
   assert.equal(await page.locator("#pin-p_A").inputValue(), "p_A");
   assert.equal(await page.locator(".columns .range").first().innerText(), "0 … 90", "from the first row to the last");
+  assert.match(await page.locator(".columns").innerText(), /877209 … 2.27e7\n[^]*5.5e6 … 6.47e6\n/, "digits as at the command line");
   await page.locator("#pin-p_0").selectOption("");
   await page.waitForSelector(".mark.free:has-text('p_0')");
   await page.locator("#pin-p_0").scrollIntoViewIfNeeded();  // the columns stay in sight
@@ -67,6 +68,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.click(".stepper button:has-text('Compare')");
   await page.waitForSelector(".scrubber");
   assert.match(await page.locator(".scrubber label span").innerText(), /1 of 1\d/);
+  const firstStroke = Number((await page.locator(".scrubber label span").innerText()).match(/Stroke (\d+)/)[1]);
   await page.keyboard.press("Tab");
   await page.locator(".scrubber input").press("ArrowRight");
   await until(page, () => /2 of 1\d/.test(document.querySelector(".scrubber label span").textContent));
@@ -89,6 +91,11 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   assert.equal(await page.locator(".staircase li").count(), 1, "looking changes nothing");
   await page.waitForSelector("[data-over=relief_valve] canvas");  // what it would change over the worst stroke
   assert.match(await page.locator("[data-over] figcaption").first().innerText(), /\+ Relief valve.*version 1/s);
+  const { per_stroke: strokes } = await (await fetch(`${address}api/v1/results?kind=compare&version=1`)).json();
+  const most = (size) => strokes.reduce((best, stroke) => (size(stroke) > size(best) ? stroke : best)).stroke;
+  const telling = most((stroke) => stroke.windows * stroke.rms_residual ** 2);  // a short one has its noise only
+  assert.match(await page.locator("[data-over] h3").innerText(), new RegExp(`over stroke ${telling}$`));
+  assert.equal(firstStroke, most((stroke) => stroke.rms_residual ** 2 - stroke.noise_floor ** 2), "the worst of what noise does not explain comes first");
   await page.click("[data-add=relief_valve]");
   await page.waitForSelector("[data-error]");
   assert.equal(Number(await page.locator("[data-error]").getAttribute("data-error")), foretold);
@@ -236,7 +243,7 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
   await page.waitForSelector("[data-verdict=named]");
   await page.waitForSelector(".suspect [data-effect=pressure_offset]");
   assert.equal(await page.locator(".suspect").count(), 1);
-  assert.match(await page.locator(".measured li").innerText(), /Tank line.*: 0 ±\s0\.1\sbar/);
+  assert.match(await page.locator(".measured li").innerText(), /Tank line.*: 0\s±\s0\.1\sbar/);
   await assertAccessible(page, "measured");
   await page.click(".measured button:has-text('Forget')");
   await page.waitForSelector("[data-verdict=ambiguous]");
@@ -284,6 +291,8 @@ test("a model with states is drawn running by itself, each output beside its mea
     assert.ok(errors.length > 50 && errors.reduce((sum, e) => sum + e, 0) / errors.length < 0.05 * span, `${name}: ${errors.length} readings`);
     assert.ok(errors.filter((error) => error < 1.96 * noise).length > 0.9 * errors.length, `${name}: within its band of ${noise}`);
   }
+  await page.waitForSelector("[data-verdict]");
+  assert.match(await page.locator(".ranking").innerText(), /~0\.\d+[^]*~ estimated without fitting/);
 });
 
 /** Runs of a cylinder with a dry seal at constant pressures, in the layout of machines/seal_friction.toml. */
@@ -341,6 +350,12 @@ test("what to record of a machine of one's own stands in the units that its sign
   await page.goto(address);
   await page.waitForSelector(".experiment tr:has-text('p') td:has-text('bar')");
   assert.match(await page.locator(".experiment tbody").innerText(), /p[^\n]*\t1\sbar\n/);
+  await page.emulateMedia({ media: "print" });
+  assert.match(await page.locator("body").innerText(), /^seal_friction · seal_6.csv · printed [^]*What to record next[^]*Setting\tValue/, "what is recorded of which machine, and no button");
+  assert.equal(await pagesOf(page), 1, "on one sheet");
+  await page.goto(`${address}#step=check`);
+  await page.evaluate(() => document.querySelector(".experiment").remove());
+  assert.ok(await page.locator("h1:has-text('Can this log be believed?')").isVisible(), "other pages are printed as they stand");
 });
 
 test("an expression of one's own is checked while it is written, tried and added", async (t) => {

@@ -5,6 +5,7 @@
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/explain/located_output.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
 #include "workbench/explain/what_to_record.h"
 #include "workbench/fit_output.h"
@@ -163,7 +164,13 @@ nlohmann::json OddStrokesJson(const ExplainResult& result) {
       strokes.push_back(result.log.strokes[s].summary.index);
       begin.push_back(result.log.strokes[s].summary.begin);
     }
-    out.push_back({{"strokes", strokes}, {"begin_s", begin}, {"set", odd.set}, {"parameter", odd.parameter}});
+    const Told sentence = OddText(result, odd);
+    out.push_back({{"strokes", strokes},
+                   {"begin_s", begin},
+                   {"set", odd.set},
+                   {"parameter", odd.parameter},
+                   {"sentence", sentence.english},
+                   {"german", {{"sentence", sentence.german}}}});
   }
   return out;
 }

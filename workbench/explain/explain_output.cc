@@ -13,6 +13,7 @@
 #include "core/interval_text.h"
 #include "core/quality.h"
 #include "core/relative_change.h"
+#include "core/short_number.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -21,6 +22,7 @@
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/headline.h"
 #include "workbench/explain/located_output.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
 #include "workbench/explain/what_to_record.h"
 
@@ -40,12 +42,13 @@ std::string Described(const ExplainResult& result, const std::string& id) {
 std::string ErrorSentence(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
-  std::string text = fmt::format(
-      "On {} it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
-      CountedWordsOf(result.log.machine).many, x.base.rms_holdout * unit.factor, unit.name,
-      result.base.noise_floor * unit.factor, unit.name);
+  std::string text =
+      fmt::format("On {} it has not seen the model errs by {} {}; sensor noise alone would cause {} {}.",
+                  CountedWordsOf(result.log.machine).many, ShortNumber(x.base.rms_holdout * unit.factor),
+                  unit.name, ShortNumber(result.base.noise_floor * unit.factor), unit.name);
   if (x.steps.size() > 1)
-    text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
+    text += fmt::format(" Extended, it errs by {} {}.", ShortNumber(x.final.rms_holdout * unit.factor),
+                        unit.name);
   if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < kDrowns * result.base.noise_floor)
     text += fmt::format(" In single values it drowns in the noise; summed over the {} it stands out.",
                         CountedWordsOf(result.log.machine).many);
@@ -88,8 +91,8 @@ std::string WhereItLies(const ExplainResult& result) {
                                  100 * left.share);
   if (!result.location.located.empty()) {
     const Located& most = result.location.located.front();
-    text +=
-        fmt::format(", most of it at {} {:.3g} ... {:.3g} {}", most.signal, most.from, most.to, most.unit);
+    text += fmt::format(", most of it at {} {} ... {} {}", most.signal, ShortNumber(most.from),
+                        ShortNumber(most.to), most.unit);
   }
   return text + ".\n";
 }
@@ -136,33 +139,13 @@ std::string DoubtText(const ExplainResult& result) {
                      x.doubt.english, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
-/// "3 (at 12.4 s), 9 (at 40.1 s)".
-std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
-  std::vector<std::string> words;
-  for (const std::size_t s : odd.strokes) {
-    const StrokeSummary& stroke = result.log.strokes[s].summary;
-    words.push_back(fmt::format("{} (at {:.1f} s)", stroke.index, stroke.begin));
-  }
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
-/// Which strokes differ from the rest, and what that means for the verdict.
-std::string OddText(const ExplainResult& result) {
+/// What is not so in all strokes.
+std::string OddStrokesText(const ExplainResult& result) {
   std::string text;
   for (const OddStrokes& odd : result.explanation.odd_strokes)
     text +=
-        !odd.parameter.empty()
-            ? fmt::format(
-                  "  NOT ALL STROKES: {} differ from the rest, and another value of {} in them explains that as well as any "
-                  "effect does: the machine or a setting changed there. They were left out.\n",
-                  StrokesText(result, odd), odd.parameter)
-        : odd.set.empty()
-            ? fmt::format(
-                  "  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
-                  "were left out; look at what happened there.\n",
-                  StrokesText(result, odd))
-            : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
-                          StrokesText(result, odd));
+        fmt::format("  NOT ALL {}: {}.\n", InEpisodes(KindOf(result.log.machine)) ? "EPISODES" : "STROKES",
+                    OddText(result, odd).english);
   return text;
 }
 
@@ -203,7 +186,7 @@ std::string StepsText(const ExplainResult& result) {
   const double scale = kBarWidth / std::max(x.base.rms_holdout, x.final.noise_floor);
   const auto line = [&](const std::string& name, double rms, char mark) {
     const int bar = static_cast<int>(std::lround(rms * scale));
-    return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * unit.factor,
+    return fmt::format("  {:<30} {:>8}  {}\n", name, ShortNumber(rms * unit.factor),
                        std::string(std::clamp(bar, 0, 60), mark));
   };
   std::string text =
@@ -244,9 +227,10 @@ std::string ParametersText(const ExplainResult& result) {
 std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
                      const std::vector<double>& nonlinear) {
   const EffectUnit unit = EffectUnitFor(effect.unit);
+  const auto behind = [](const EffectUnit& u) { return u.name == "-" ? "" : " " + u.name; };
   std::string text = fmt::format(
-      "{} = {} {}", effect.parameter,
-      WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), unit.name);
+      "{} = {}{}", effect.parameter,
+      WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), behind(unit));
   // A law with one parameter has told it already.
   for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
     const bool square = effect.unit == effect.nonlinear[i].unit + "2";
@@ -255,8 +239,8 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
     const bool known = i < estimate.nonlinear_std.size() && estimate.nonlinear_std[i] > 0;
     const std::string value = known ? WithInterval(nonlinear[i] * shown.factor,
                                                    kNormal95 * estimate.nonlinear_std[i] * shown.factor)
-                                    : fmt::format("{:.3g}", nonlinear[i] * shown.factor);
-    text += fmt::format(", {} {} {}", effect.nonlinear[i].name, value, shown.name);
+                                    : ShortNumber(nonlinear[i] * shown.factor);
+    text += fmt::format(", {} {}{}", effect.nonlinear[i].name, value, behind(shown));
   }
   return text;
 }
@@ -281,8 +265,8 @@ std::string RankingText(const ExplainResult& result) {
                                  "error", "evidence", "size, ± 95 %");
   for (const RankedEffect& ranked : result.explanation.ranking) {
     if (!ranked.testable || !ranked.fit.solved) continue;
-    text += fmt::format("{} {:<28} {:>7.3g} {:>9.0f}  {}\n", ranked.significant ? "*" : " ", ranked.id,
-                        ranked.fit.rms_holdout * unit.factor, ranked.gain,
+    text += fmt::format("{} {:<28} {:>7} {:>9.0f}  {}\n", ranked.significant ? "*" : " ", ranked.id,
+                        ShortNumber(ranked.fit.rms_holdout * unit.factor), ranked.gain,
                         SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
   }
   return text + fmt::format(
@@ -319,8 +303,9 @@ std::string SwapText(const ExplainResult& result) {
   std::string text = swap->in.empty()
                          ? fmt::format("  Take {} out", swap->out)
                          : fmt::format("  Replace {} by {}", swap->out, fmt::join(swap->in, " and "));
-  text += fmt::format(": error {:.3g} -> {:.3g} {} on strokes left out\n", swap->rms_before * unit.factor,
-                      swap->rms_after * unit.factor, unit.name);
+  text +=
+      fmt::format(": error {} -> {} {} on strokes left out\n", ShortNumber(swap->rms_before * unit.factor),
+                  ShortNumber(swap->rms_after * unit.factor), unit.name);
   text += fmt::format("    hydroscope model remove {} {}\n", swap->out, result.target);
   for (const std::string& id : swap->in)
     text += fmt::format("    hydroscope model add {} {}\n", id, result.target);
@@ -379,7 +364,8 @@ std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
   const CountedWords counted = CountedWordsOf(result.log.machine);
-  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(result);
+  std::string text =
+      VerdictText(result) + OddStrokesText(result) + MeasuredText(result) + ErrorSentence(result);
   text += result.described.empty() ? fmt::format("{}, {} of {} rows used.\n", counted.Counted(result.strokes),
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;

@@ -8,7 +8,9 @@
 #include <span>
 
 #include "core/constants.h"
+#include "core/interval_text.h"
 #include "core/non_negative.h"
+#include "core/short_number.h"
 
 namespace hydroscope {
 namespace {
@@ -31,10 +33,11 @@ std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& 
   text += fmt::format("  {:<{}} {:>17} {:<5} {:>8} {:>9} {:>9} {:>8}\n", "signal", width, "from ... to", "",
                       "rms", "mean", "of error", "of time");
   for (const Located& l : shown)
-    text +=
-        fmt::format("  {:<{}} {:>17} {:<5} {:>8.3g} {:>+9.2g} {:>7.0f} % {:>6.0f} %\n", l.signal, width,
-                    fmt::format("{:.3g} ... {:.3g}", l.from, l.to), UnitUnlessNumber(l.unit),
-                    l.rms * unit.factor, l.mean * unit.factor, 100 * l.share_error, 100 * l.share_windows);
+    text += fmt::format("  {:<{}} {:>17} {:<5} {:>8} {:>9} {:>7.0f} % {:>6.0f} %\n", l.signal, width,
+                        ShortNumber(l.from) + " ... " + ShortNumber(l.to), UnitUnlessNumber(l.unit),
+                        ShortNumber(l.rms * unit.factor),
+                        (l.mean > 0 ? "+" : "") + ShortNumber(l.mean * unit.factor, 2), 100 * l.share_error,
+                        100 * l.share_windows);
   return text;
 }
 
@@ -108,8 +111,8 @@ std::string RemainderText(const RemainderShape& shape, double factor, std::strin
     const std::string left = p.value < 0 ? std::string(bar, '#') : "",
                       right = p.value >= 0 ? std::string(bar, '#') : "";
     text +=
-        fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, UnitUnlessNumber(shape.unit),
-                    left, right, p.value * factor, kNormal95 * p.std * factor, unit);
+        fmt::format("  {:>9} {:<5} {:>12}|{:<12} {} {}\n", ShortNumber(p.x, 4), UnitUnlessNumber(shape.unit),
+                    left, right, ChangeWithInterval(p.value * factor, kNormal95 * p.std * factor), unit);
   }
   return text;
 }

@@ -269,7 +269,18 @@ TEST(NothingFalse, AChokedReturnLineThatNoEdgeLooksLikeIsNamed) {
 
 /// A controller as slow as the logger holds its command for a row, and the spool gets there early in it: the line between two
 /// readings is late, and the spool seems to be.
-TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
+TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLate) {
+  PressOptions options = RandomMachine(13);
+  options.sample_period = 0.004;
+  options.effects = {{"spool_signal_delay", 0.0005, {}}};
+  for (double* noise : {&options.noise.p_A, &options.noise.z, &options.noise.y_v}) *noise *= 0.2;
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_EQ(x.verdict, Verdict::kAdequate);
+  EXPECT_THAT(x.warnings, Contains(testing::Field(&Told::english, HasSubstr("held from row to row"))));
+}
+
+/// One that is later than that, but less than half a row, is not late for sure.
+TEST(NothingFalse, ASpoolThatMayMoveUnseenBetweenRowsHasNoVerdict) {
   PressOptions options = RandomMachine(13);
   options.sample_period = options.control_period = 0.004;
   const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
@@ -278,6 +289,44 @@ TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNotLateForSure) {
   EXPECT_TRUE(x.small_error);
   EXPECT_FALSE(x.partial);
   EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
+}
+
+/// Nor beside another effect, which is named without it.
+TEST(NothingFalse, ASpoolThatMovesUnseenBetweenRowsIsNoSecondName) {
+  PressOptions options = RandomMachine(13);
+  options.sample_period = 0.004;
+  options.effects = {{"internal_leakage", 2e-11, {}}, {"spool_signal_delay", 0.001, {}}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("internal_leakage"));
+  EXPECT_THAT(x.set, Not(Contains("spool_signal_delay")));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("between two rows"));
+}
+
+/// Strokes that leak for a while draw the delay far off before they are left out; its twin must not stand alone then.
+TEST(NothingFalse, ADelayThatOddStrokesDrewAwayStaysBesideItsTwin) {
+  PressOptions options = RandomMachine(25);
+  options.seconds = 90;
+  options.effects = {{"pressure_signal_delay", 0.0058, {}}};
+  options.imperfections = {{"leaky_stretch", 1.5e-11, {{"begin", 0.4}, {"length", 0.2}}, ""}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("pressure_signal_delay"));
+}
+
+/// What explains a part of the error only is no name for it: here none may be left, not even what is due to chance.
+TEST(NothingFalse, AnEffectThatLeavesMuchOfTheErrorIsNoName) {
+  PressOptions options = ASeenPress(6);
+  options.effects = {{"internal_leakage", 4e-12, {}}};
+  const SimulatedLog log = SimulatePress(options);
+  ExplainOptions strict;
+  EXPECT_THAT(ExplanationOf(log, MachineFor(options), strict).set, Contains("internal_leakage"));
+  strict.doubt_excess = -1;
+  strict.most_left = -1;
+  const Explanation x = ExplanationOf(log, MachineFor(options), strict);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.set, IsEmpty());
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("of the error's energy above sensor noise"));
 }
 
 /// What falls is of negative size, and no delay.

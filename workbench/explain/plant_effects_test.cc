@@ -8,6 +8,7 @@
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_output.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
 #include "workbench/explain/what_to_record.h"
 #include "workbench/model/machine_model.h"
@@ -36,8 +37,12 @@ std::vector<PlantCase> PlantCases() {
           {"leakage_temperature", 4e-12, 4e-12},
           {"supply_leakage", 1e-8, 1e-8},
           {"pressure_gain_temperature", 3e-4, 3e-4},
+          {"pressure_gain_drift", 0.015, 0.015 / kSeconds},
           {"pressure_offset_temperature", 3e4, 3e4},
           {"pressure_crosstalk", 3e5, 3e5},
+          {"pressure_position_crosstalk", 2e6, 2e6},
+          {"pressure_nonlinearity", 0.01, 0.01},
+          {"position_nonlinearity", 0.01, -0.01},
           {"displacement_gain_temperature", 3e-4, -3e-4},
           {"spool_null_temperature", 2e-4, 2e-4},
           {"periodic_disturbance", 2e-5, 2e-5},
@@ -119,7 +124,7 @@ using testing::Not;
 TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
   for (const double warming : {0.0, 1.0}) {
     const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
-    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift"));
+    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift", "pressure_gain_drift"));
     const auto& drift = x.explanation.final.effects.front();
     EXPECT_THAT(DriftText(x, drift).english, HasSubstr("Q_vn rose by 2 % during this log"));
   }
@@ -188,6 +193,22 @@ TEST(PlantEffects, ALeakDuringAFewStrokesIsNamedFromThoseItLastedThrough) {
     ++named;
   }
   EXPECT_GE(named, 3);
+}
+
+/// Strokes that leak hide what is wrong in all of them: it is found in the others, and the leak against these.
+TEST(PlantEffects, WhatAllStrokesHaveIsFoundBesideALeakDuringSome) {
+  PressOptions options = RandomMachine(3);
+  options.seconds = 90;
+  options.seed = 3;
+  options.effects = {{"pressure_signal_delay", 0.0058, {}}};
+  options.imperfections = {{"leaky_stretch", 1.5e-11, {{"begin", 0.4}, {"length", 0.2}}, ""}};
+  const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  const ExplainResult x = *ExplainStrokes(*strokes);
+  EXPECT_THAT(x.explanation.set, ElementsAre("pressure_signal_delay", "pressure_signal_lag"));
+  ASSERT_FALSE(x.explanation.odd_strokes.empty());
+  EXPECT_THAT(x.explanation.odd_strokes.front().set, ElementsAre("internal_leakage"));
+  EXPECT_THAT(OddText(x, x.explanation.odd_strokes.front()).english,
+              HasSubstr("in them alone there is besides Internal leakage past the piston seal"));
 }
 
 TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {

@@ -5,6 +5,7 @@
 
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/short_number.h"
 #include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "workbench/frequency_response/loop_change.h"
@@ -46,7 +47,7 @@ std::string ParameterTable(const LoopComparison& comparison, const MachineKind& 
       const auto at = static_cast<std::ptrdiff_t>(i);
       const double value = state.parameters[i] * parameter.factor;
       const double std = std::sqrt(state.covariance(at, at)) * (delay ? parameter.factor : std::abs(value));
-      return std > 0 ? WithInterval(value, kNormal95 * std) : fmt::format("{:.4g}", value);
+      return std > 0 ? WithInterval(value, kNormal95 * std) : ShortNumber(value, 4);
     };
     const double change = ChangeOf(comparison, i) * (delay ? parameter.factor : 100);
     text += fmt::format("  {:<8} {:>22} {:>22} {:>+8.2f} {} {}\n", parameter.name, shown(comparison.before),

@@ -8,6 +8,7 @@
 
 #include "core/interval_text.h"
 #include "core/relative_change.h"
+#include "core/short_number.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -62,12 +63,15 @@ std::string ValuesText(const MachineKind& kind, const std::string& title,
                        const std::vector<ValueChange>& values) {
   if (values.empty()) return "";
   std::string text = fmt::format("\n{}\n", title);
+  std::size_t width = 6;
+  for (const ValueChange& v : values) width = std::max(width, v.name.size());
   for (const ValueChange& v : values) {
-    text += fmt::format("{} {:<28} {:>28}  ->  {:<28}", v.significant ? "*" : " ", v.name,
-                        ParameterWithInterval(kind, v.name, v.before, v.before_std, v.unit),
-                        ParameterWithInterval(kind, v.name, v.after, v.after_std, v.unit));
+    const ShownParameter before = ShowParameter(kind, v.name, v.before, v.before_std, v.unit);
+    const ShownParameter after = ShowParameter(kind, v.name, v.after, v.after_std, v.unit);
+    text += fmt::format("{} {:<{}} {:>19} -> {:>19} {}", v.significant ? "*" : " ", v.name, width,
+                        before.numbers, after.numbers, after.unit);
     if (const auto share = RelativeChange(v.before, v.before_std, v.change()); share && v.unit != "1")
-      text += fmt::format(" {:+.1f} %", 100 * *share);
+      text += fmt::format("  {:+.1f} %", 100 * *share);
     text += "\n";
   }
   return text;
@@ -162,6 +166,7 @@ std::string ChangeText(const ChangeResult& result) {
   const Explanation &before = result.before.explanation, &after = result.after.explanation;
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
   const CountedWords counted = CountedWordsOf(result.after.log.machine);
+  const auto shown = [&](double rms) { return ShortNumber(rms * unit.factor); };
   std::string text = VerdictText(result);
   if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt.english);
   text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
@@ -170,13 +175,13 @@ std::string ChangeText(const ChangeResult& result) {
                         result.newest, counted.many);
   text += fmt::format(
       "\nError on {} left out, {}\n"
-      "  before, with the model that explains them   {:>8.3g}   sensor noise alone {:.3g}\n"
-      "  after, with the same model                  {:>8.3g}   sensor noise alone {:.3g}\n",
-      counted.many, unit.name, before.final.rms_holdout * unit.factor, before.final.noise_floor * unit.factor,
-      after.base.rms_holdout * unit.factor, after.base.noise_floor * unit.factor);
+      "  before, with the model that explains them {:>8}   sensor noise alone {}\n"
+      "  after, with the same model                {:>8}   sensor noise alone {}\n",
+      counted.many, unit.name, shown(before.final.rms_holdout), shown(before.final.noise_floor),
+      shown(after.base.rms_holdout), shown(after.base.noise_floor));
   if (after.steps.size() > 1)
-    text += fmt::format("  after, with what appeared                   {:>8.3g}\n",
-                        after.final.rms_holdout * unit.factor);
+    text +=
+        fmt::format("  after, with what appeared                 {:>8}\n", shown(after.final.rms_holdout));
   const MachineKind& kind = KindOf(result.after.log.machine);
   text += ValuesText(kind, "Parameters before and after, ± 95 %; * moved", result.parameters);
   text += ValuesText(kind, "Effects that were there before", result.effects);

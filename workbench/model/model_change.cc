@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "core/counted_words.h"
+#include "core/short_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "host/text_file.h"
@@ -140,9 +141,9 @@ void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds,
                       {"before", before.rms * unit.factor},
                       {"after", after.rms * unit.factor},
                       {"unit", unit.name}};
-  changed.text +=
-      fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {}\n", after.log, before.rms * unit.factor,
-                  after.rms * unit.factor, unit.name, Counted(after.strokes, "stroke"));
+  changed.text += fmt::format("Error on {}, held out: {} -> {} {}, {}\n", after.log,
+                              ShortNumber(before.rms * unit.factor), ShortNumber(after.rms * unit.factor),
+                              unit.name, Counted(after.strokes, "stroke"));
   if (adds && !(after.rms < before.rms))
     changed.warnings.push_back(Tell("on {}, which was held out, {} does not lower the error",
                                     "auf {}, das ausgelassen war, senkt {} den Fehler nicht", after.log,

@@ -111,6 +111,9 @@ TEST_F(ModelEdit, WhatCannotBeAddedOrTakenOutIsNamed) {
   const Machine machine = *LoadMachine(path_);
   EXPECT_THAT(WithEffect(machine, "internal_leackage", 2).error().text,
               HasSubstr("did you mean 'internal_leakage'"));
+  const std::string known = WithEffect(machine, "xyz", 2).error().text;
+  EXPECT_THAT(known, HasSubstr("relief_valve"));
+  EXPECT_EQ(known.find("relief_valve"), known.rfind("relief_valve")) << "each is listed once";
   EXPECT_THAT(WithoutEffect(machine, "relief_valve", 2).error().text, HasSubstr("is not part of the model"));
   const Machine next = *WithEffect(machine, "relief_valve", 2);
   EXPECT_THAT(WithEffect(next, "relief_valve", 3).error().text, HasSubstr("already part of the model"));

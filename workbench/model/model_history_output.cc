@@ -11,6 +11,7 @@
 #include "core/constants.h"
 #include "core/contains.h"
 #include "core/interval_text.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "models/parameter_unit.h"
@@ -46,8 +47,9 @@ std::string Staircase(const std::vector<ModelRecord>& history) {
     std::string bar(static_cast<std::size_t>(mark(record.rms_holdout)), '#');
     bar.resize(kBar + 1, ' ');
     bar[mark(record.noise_floor)] = '|';
-    text += fmt::format("  {:>3}  {:<{}} {:>8.3g}  {}  {} strokes of {}\n", record.version, record.name,
-                        width, ShownError(record, record.rms_holdout), bar, record.strokes, record.source);
+    text +=
+        fmt::format("  {:>3}  {:<{}} {:>8}  {}  {} strokes of {}\n", record.version, record.name, width,
+                    ShortNumber(ShownError(record, record.rms_holdout)), bar, record.strokes, record.source);
   }
   return text;
 }
@@ -129,10 +131,11 @@ std::string LastStepText(const Machine& machine) {
   const auto step = LastStep(machine);
   if (!step) return "";
   const ModelRecord &before = *step->first, &after = *step->second;
-  return fmt::format(
-      "Error on strokes left out: {:.3g} -> {:.3g} {}; sensor noise alone would cause {:.3g}\n\n{}",
-      ShownError(before, before.rms_holdout), ShownError(after, after.rms_holdout), ErrorUnit(after),
-      ShownError(after, after.noise_floor), Parameters(KindOf(machine), {&before, &after}));
+  return fmt::format("Error on strokes left out: {} -> {} {}; sensor noise alone would cause {}\n\n{}",
+                     ShortNumber(ShownError(before, before.rms_holdout)),
+                     ShortNumber(ShownError(after, after.rms_holdout)), ErrorUnit(after),
+                     ShortNumber(ShownError(after, after.noise_floor)),
+                     Parameters(KindOf(machine), {&before, &after}));
 }
 
 std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect) {

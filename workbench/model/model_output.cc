@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/effect_units.h"
+#include "core/short_number.h"
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/expressions/user_effect.h"
@@ -56,12 +57,12 @@ std::string EffectText(const MachineKind& kind, const Effect& e) {
   std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id,
                                  e.title, e.plain, e.law, e.source, e.parameter);
   text += std::isfinite(e.typical)
-              ? fmt::format(", typically {:.3g} {}\n", e.typical * unit.factor, unit.name)
+              ? fmt::format(", typically {} {}\n", ShortNumber(e.typical * unit.factor), unit.name)
               : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
   for (const NonlinearParameter& n : e.nonlinear) {
     const EffectUnit shown = EffectUnitFor(n.unit);
-    text += fmt::format("                 {}, found between {:.3g} and {:.3g} {}\n", n.name,
-                        n.min * shown.factor, n.max * shown.factor, shown.name);
+    text += fmt::format("                 {}, found between {} and {} {}\n", n.name,
+                        ShortNumber(n.min * shown.factor), ShortNumber(n.max * shown.factor), shown.name);
   }
   text += fmt::format("  confused with  {}\n  hidden in      {}\n", OrDash(e.confused_with), e.hidden_in);
   if (!e.told_apart_by.empty()) text += fmt::format("  told apart by  {}\n", e.told_apart_by);
@@ -131,8 +132,8 @@ std::string ModelText(const Machine& machine) {
   if (!machine.geometry.empty()) text += "\nKnown\n";
   for (const auto& [name, known] : machine.geometry) {
     const DisplayUnit unit = DisplayUnitFor(GeometrySi(machine, name));
-    text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
-    if (known.std > 0) text += fmt::format(" ± {:.2g}", kNormal95 * known.std * unit.factor);
+    text += fmt::format("  {:<8} {}", name, ShortNumber(known.value * unit.factor, 6));
+    if (known.std > 0) text += " ± " + ShortNumber(kNormal95 * known.std * unit.factor, 2);
     text += fmt::format(" {}\n", unit.name);
   }
   text += "\nSignals\n";

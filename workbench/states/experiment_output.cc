@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/short_number.h"
 #include "diagnosis/experiment/rival_separation.h"
 
 namespace hydroscope {
@@ -40,10 +41,11 @@ Told SeparationText(const StatesExplained& e) {
 /// Share of the standard error as recorded that the best record must leave at most, or records are not what is wanting.
 constexpr double kHelps = 0.9;
 
-/// Whether parameters are asked for that no record would show: what one of them changes the others make up for.
+/// Whether no record would tell the rivals apart, or show the parameters that are asked for: what one of them changes the others
+/// make up for.
 bool NoRecordHelps(const StateExperiment& x) {
-  return x.rivals.empty() && !x.tried.empty() &&
-         x.tried.front().standard_error > kHelps * x.now.standard_error;
+  if (!x.rivals.empty()) return !x.proposed();
+  return !x.tried.empty() && x.tried.front().standard_error > kHelps * x.now.standard_error;
 }
 
 Told UnseenParametersText(const StatesExplained& e) {
@@ -118,9 +120,9 @@ std::string RecordTable(const StatesExplained& e) {
   std::string text = fmt::format("\nWhat to record, best first\n  {:>10} {:>9}  {}\n",
                                  rivals ? "separation" : "std error", "s", "record");
   const auto line = [&](const TriedRecord& tried, const std::string& what) {
-    const std::string worth = rivals ? fmt::format("{:.0f}", tried.separation)
-                                     : fmt::format("{:.2g} %", 100 * tried.standard_error);
-    text += fmt::format("  {:>10} {:>9.3g}  {}\n", worth, tried.seconds, what);
+    const std::string worth =
+        rivals ? fmt::format("{:.0f}", tried.separation) : ShortNumber(100 * tried.standard_error, 2) + " %";
+    text += fmt::format("  {:>10} {:>9}  {}\n", worth, ShortNumber(tried.seconds), what);
   };
   for (std::size_t k = 0; k < std::min(kShown, x.tried.size()); ++k)
     line(x.tried[k], Moved(e, x.tried[k]).english);

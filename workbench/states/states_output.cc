@@ -14,6 +14,7 @@
 #include "core/effect_units.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
@@ -375,15 +376,16 @@ std::string ExplainText(const StatesExplained& e) {
   const ErrorWords words = ErrorWordsOf(e.base);
   text += WarningLines(warnings) + fmt::format("\nHow the error falls ({})\n", words.unit);
   for (const auto& [added, error] : x.steps)
-    text += fmt::format("  {:<28} {:>9.3g}\n", added.empty() ? "as it is" : "+ " + added,
-                        words.factor * e.base.unit.factor * error);
+    text += fmt::format("  {:<28} {:>9}\n", added.empty() ? "as it is" : "+ " + added,
+                        ShortNumber(words.factor * e.base.unit.factor * error));
   text += "\nParameters (± 95 %)\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty())
     text += fmt::format("\nSingle effects, best first ({}; ~ by linearisation)\n", words.unit);
   for (const StateCandidate& candidate : x.ranking)
     if (!x.not_seen.contains(candidate.added.front()))
-      text += fmt::format("  {:<28} {:>9.3g}{}\n", candidate.added.front(),
-                          words.factor * ShownLeftOut(e, candidate), candidate.fitted() ? "" : " ~");
+      text +=
+          fmt::format("  {:<28} {:>9}{}\n", candidate.added.front(),
+                      ShortNumber(words.factor * ShownLeftOut(e, candidate)), candidate.fitted() ? "" : " ~");
   text += NotSeenText(x) + LocatedText(e.located);
   if (e.missing)
     text +=

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/short_number.h"
 #include "diagnosis/states/search_sentences.h"
 #include "models/machine_kind.h"
 
@@ -41,7 +42,7 @@ Told UnseenText(const UnseenDirection& unseen) {
 
 std::string PerCents(const std::vector<double>& shares) {
   std::vector<std::string> texts;
-  for (const double share : shares) texts.push_back(fmt::format("{:.2g}", 100 * share));
+  for (const double share : shares) texts.push_back(ShortNumber(100 * share, 2));
   return fmt::format("{} %", fmt::join(texts, ", "));
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/short_number.h"
 #include "models/output_unit.h"
 #include "models/state_effects.h"
 
@@ -17,8 +18,8 @@ ErrorWords ErrorWordsOf(const StatesError& error) {
 
 std::string ErrorText(const StatesError& error, double value) {
   const ErrorWords words = ErrorWordsOf(error);
-  if (error.unit.name == "1" && !error.of_variation) return fmt::format("{:.3g}", value);
-  return fmt::format("{:.3g} {}", value * words.factor, words.unit);
+  if (error.unit.name == "1" && !error.of_variation) return ShortNumber(value);
+  return ShortNumber(value * words.factor) + " " + words.unit;
 }
 
 double ShownLeftOut(const StatesExplained& e, const StateCandidate& candidate) {

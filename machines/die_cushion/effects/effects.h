@@ -42,8 +42,12 @@
   _(SpoolNonlinearity)               \
   _(PressureGain)                    \
   _(PressureGainTemperature)         \
+  _(PressureGainDrift)               \
   _(PressureOffsetTemperature)       \
   _(PressureCrosstalk)               \
+  _(PressurePositionCrosstalk)       \
+  _(PressureNonlinearity)            \
+  _(PositionNonlinearity)            \
   _(DisplacementGainTemperature)     \
   _(SpoolNullTemperature)            \
   _(PressureOffsetDrift)             \

@@ -61,7 +61,7 @@ export function Audit() {
             <>{row.user || "–"}{row.role && row.role !== "nobody" && <small> {say(`role_${row.role as "view"}`)}</small>}</>,
             row.address || say("auditHere"),
             changes[row.what] ? say(changes[row.what]) : <span lang="en">{row.what}</span>,
-            <span class="detail-cell">{asked(row.detail, say)}</span>,
+            asked(row.detail, say) && <span class="detail-cell">{asked(row.detail, say)}</span>,
             row.outcome ? <span class="moved"><Reason outcome={row.outcome} /></span> : "✓",
           ])} />
       )}

@@ -1,21 +1,23 @@
 import type { ExplainResult, Plan } from "../types";
 import { useStore } from "../store";
 import { Told } from "../told";
+import { dateText } from "../watch/shown";
 import { nameOf, short, shownNumber, unitName, unitOf, withUnit, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
 
 /** What to record next so that the rivals can be told apart, as a table to print. */
 export function Experiment({ explain, units }: { explain: ExplainResult; units: Units }) {
-  const say = useWords();
+  const say = useWords(), { session } = useStore();
   if (!explain.experiment && !explain.experiment_plan) return null;
   return (
     <section class="experiment">
+      <p class="print-only">{[session?.machine?.name, ...(session?.logs ?? []).map((log) => log.name), say("printed", { when: dateText(Date.now() / 1000) })].filter(Boolean).join(" · ")}</p>
       <h3>{say("experimentTitle")}</h3>
       {explain.experiment && <p class="lines"><Told of={{ experiment: explain.experiment, german: explain.german }} what="experiment" /></p>}
       {explain.experiment_plan && <>
         <Scroll label={say("experimentTitle")}><PlanTable plan={explain.experiment_plan} units={units} /></Scroll>
-        <button class="quiet" onClick={() => print()}>{say("print")}</button>
+        <button class="quiet no-print" onClick={() => print()}>{say("print")}</button>
       </>}
     </section>
   );

@@ -35,7 +35,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
                   <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && "\u00a0*"}</button></th>
-                  <td role="cell">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
+                  <td role="cell">{ranked.fitted === false && "~"}{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
                   {sized && <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>}
                 </tr>
               ))}
@@ -44,6 +44,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
         </Scroll>
       )}
       {tried.some((ranked) => ranked.significant) && <p class="quiet">* {say("rankingStands")}</p>}
+      {tried.some((ranked) => ranked.fitted === false) && <p class="quiet">~ {say("rankingLinear")}</p>}
       {tried.length > shownAtFirst && !all && <button class="quiet" onClick={() => setAll(true)}>{say("rankingMore", { count: tried.length })}</button>}
       {untestable.length > 0 && <Excluded title={`${say("untestable")} (${untestable.length})`} text={say("untestableText")} list={untestable} name={title} />}
       {ruledOut.length > 0 && <Excluded title={`${say("ruledOut")} (${ruledOut.length})`} text="" list={ruledOut} name={title} />}

@@ -43,7 +43,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}{explain.short_runs && ` ${say("verdictShort")}`}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
-      {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say(odd.parameter ? "oddParameter" : "oddStrokes", { strokes: odd.strokes.join(", "), parameter: odd.parameter ?? "" })}</p>)}
+      {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("notEverywhere")}<Told of={odd} what="sentence" /></p>)}
       {explain.swap && <Swap swap={explain.swap} unit={unit} effects={effects} />}
       {explain.warnings.length > 0 && <details open={explain.slow || explain.verdict === "unknown"}><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}
       {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}

@@ -1,0 +1,63 @@
+#include "workbench/explain/odd_text.h"
+
+#include <fmt/format.h>
+
+#include "models/counted_words.h"
+
+namespace hydroscope {
+namespace {
+
+/// "3 (at 12.4 s), 9 (at 40.1 s)".
+Told PlacesOf(const ExplainResult& result, const OddStrokes& odd) {
+  Told places;
+  for (const std::size_t s : odd.strokes) {
+    const StrokeSummary& stroke = result.log.strokes[s].summary;
+    const Told place = Tell("{} (at {:.1f} s)", "{} (bei {:.1f} s)", stroke.index, stroke.begin);
+    places = places.empty() ? place : Tell("{}, {}", "{}, {}", places, place);
+  }
+  return places;
+}
+
+/// Titles and ids of effects of which one or several are at work.
+Told NamesOf(const ExplainResult& result, const std::vector<std::string>& ids) {
+  Told names;
+  for (const std::string& id : ids) {
+    const Effect* effect = result.FindEffect(id);
+    const Told name =
+        effect ? Tell("{} ({})", "{} ({})", Told(effect->title, effect->german.title), id) : Told(id, id);
+    names = names.empty() ? name : Tell("{}, {}", "{}, {}", names, name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Told OddText(const ExplainResult& result, const OddStrokes& odd) {
+  const CountedWords words = CountedWordsOf(result.log.machine);
+  const bool one = odd.strokes.size() == 1;
+  const Told which = Tell(
+      "{} {}", "{} {}",
+      Told(std::string(one ? words.one : words.many), std::string(one ? words.german : words.german_several)),
+      PlacesOf(result, odd));
+  if (!odd.parameter.empty())
+    return Tell(
+        "{0} differ from the rest, and another value of {1} in them explains that as well as any effect does: the machine or a "
+        "setting changed there. They were left out",
+        "{0} weichen von den übrigen ab, und ein anderer Wert von {1} in ihnen erklärt das so gut wie jeder Effekt: dort hat sich "
+        "die Maschine oder eine Einstellung geändert. Sie wurden ausgelassen",
+        which, odd.parameter);
+  if (odd.set.empty())
+    return Tell(
+        "{} differ from the rest, and no effect of the library says how. They were left out; look at what happened there",
+        "{} weichen von den übrigen ab, und kein Effekt der Bibliothek sagt, wie. Sie wurden ausgelassen; zu prüfen ist, was dort "
+        "geschah",
+        which);
+  if (odd.set == result.explanation.set)
+    return Tell("this is so in {} alone; the others are described without it",
+                "das gilt nur für {}; die übrigen sind ohne es beschrieben", which);
+  return Tell("{} differ from the rest: in them alone there is besides {}. They were left out",
+              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}. Sie wurden ausgelassen",
+              which, NamesOf(result, odd.set));
+}
+
+}  // namespace hydroscope
