@@ -71,7 +71,6 @@ class ResidualBuilder {
  private:
   void AddSignals(const Stretch& stretch, int blocks);
   void AddFlows(const SpanEquations& span);
-  void AddContrasts(const SpanEquations& span, const SpanNoise& noise);
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
