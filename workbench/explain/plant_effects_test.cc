@@ -37,7 +37,7 @@ std::vector<PlantCase> PlantCases() {
           {"leakage_temperature", 4e-12, 4e-12},
           {"supply_leakage", 1e-8, 1e-8},
           {"pressure_gain_temperature", 3e-4, 3e-4},
-          {"pressure_gain_drift", 0.015, 0.015 / kSeconds},
+          {"pressure_gain_drift", 0.015, 0.015 / kSeconds, 12},
           {"pressure_offset_temperature", 3e4, 3e4},
           {"pressure_crosstalk", 3e5, 3e5},
           {"pressure_position_crosstalk", 2e6, 2e6},
