@@ -78,18 +78,20 @@ StrokeHistory NewerHalf(const StrokeHistory& history) {
 }
 
 /// Explains the newest strokes among those after that one size of an effect explains; `newest` is set to
-/// them. Without any, the explanation of all of them.
+/// them. Without any, the explanation of all of them. Where all of them show a part of an effect, it must be that; where they
+/// show none, for some of them are as healthy as those before, the newest must name one without a doubt.
 Result<ExplainResult> ExplainNewest(const StrokeHistory& before, StrokeHistory& newest,
                                     const ExplainOptions& options) {
   auto all = ExplainAfter(before, newest, options);
   if (!all || all->explanation.verdict != Verdict::kUnknown || newest.parts.size() != 1) return all;
-  for (StrokeHistory part = newest; part.units.size() > kFewestUnits && all->explanation.steps.size() > 1;) {
+  const std::vector<ExplainStep>& steps = all->explanation.steps;
+  for (StrokeHistory part = newest; part.units.size() > kFewestUnits;) {
     part = NewerHalf(part);
     auto result = ExplainAfter(before, part, options);
     if (!result) break;
-    const std::vector<std::string>& set = result->explanation.set;
-    const std::string& seen = all->explanation.steps[1].added;
-    if (!Contains(set, seen)) continue;
+    const Explanation& found = result->explanation;
+    if (steps.size() > 1 ? !Contains(found.set, steps[1].added) : found.set.empty() || found.partial)
+      continue;
     newest = std::move(part);
     return result;
   }

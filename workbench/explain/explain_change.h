@@ -42,7 +42,7 @@ inline constexpr std::size_t kFewestUnits = 8;
 /// there before already does not count as a change. An effect that was there before changed if, both sets
 /// fitted in one shape, its old size costs the strokes after ExplainOptions::min_gain and more than model
 /// errors can feign. If no effect of one size explains all strokes after, but one explains part of their
-/// error, the newest half, quarter, ... of one machine's strokes is explained instead, down to kFewestUnits.
+/// error or some of them are healthy, the newest half, quarter, ... of one machine's strokes is explained instead, down to kFewestUnits.
 /// Errors as ExplainHistory; both must be of the same model.
 Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHistory& after,
                                    const ExplainOptions& options = {});

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "studies/simulated_strokes.h"
@@ -141,6 +142,18 @@ TEST(ExplainChange, WearThatGoesOnIsNamedOnTheNewestStrokes) {
   EXPECT_THAT(result->after.explanation.set, Contains("internal_leakage")) << ChangeText(*result);
   EXPECT_GT(result->newest, 0);
   EXPECT_LT(result->newest, after.strokes());
+}
+
+/// The change is said to have begun somewhat before it did.
+TEST(ExplainChange, HealthyStrokesAmongThoseAfterHideNoLeak) {
+  for (const std::uint64_t seed : {4u, 5u, 6u}) {
+    const StrokeHistory healthy = HistoryOf(Cushion(seed, {}));
+    StrokeHistory after = HistoryOf(Cushion(seed, {{"internal_leakage", 3e-12, {}}}));
+    std::copy_n(healthy.units.begin(), after.units.size() / 4, after.units.begin());
+    const auto result = ExplainChange(HistoryOf(Cushion(3, {})), after);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_THAT(result->appeared, Contains("internal_leakage")) << ChangeText(*result);
+  }
 }
 
 TEST(ExplainChange, AnEffectThatGrowsIsNamed) {
