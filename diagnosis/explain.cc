@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/constants.h"
 #include "diagnosis/doubts.h"
@@ -332,32 +333,23 @@ void Explainer::LookForBias(Explanation& out) const {
 }
 
 void Explainer::Judge(Explanation& out) const {
+  const auto refuse = [&out](Told why) {
+    out.verdict = Verdict::kUnknown;
+    out.partial = true;
+    out.groups.clear();
+    out.doubt = std::move(why);
+  };
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
-  if (!AtFloor(out.final, more) || !IsLawful(out.final) || out.remainder > options_.MayRemain(gain, more)) {
-    out.verdict = Verdict::kUnknown;
-    out.partial = true;
-    out.groups.clear();
-    return;
-  }
-  if (out.margin < -options_.beaten_margin) {
-    out.verdict = Verdict::kUnknown;
-    out.partial = true;
-    out.groups.clear();
-    out.doubt = Tell("a law without a name explains the error better ({})",
-                     "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law);
-    return;
-  }
-  if (out.final.excess_ratio >
-      std::max(options_.doubt_excess, options_.most_left * start_.fit.excess_ratio)) {
-    out.verdict = Verdict::kUnknown;
-    out.partial = true;
-    out.groups.clear();
-    out.doubt = Tell("{:.0f} % of the error's energy above sensor noise stay",
-                     "{:.0f} % der Fehlerenergie über dem Sensorrauschen bleiben",
-                     100 * out.final.excess_ratio / start_.fit.excess_ratio);
-    return;
-  }
+  if (!AtFloor(out.final, more) || !IsLawful(out.final) || out.remainder > options_.MayRemain(gain, more))
+    return refuse({});
+  if (out.margin < -options_.beaten_margin)
+    return refuse(Tell("a law without a name explains the error better ({})",
+                       "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law));
+  const double excess = out.final.excess_ratio, before = start_.fit.excess_ratio;
+  if (excess > std::max(options_.doubt_excess, options_.most_left * before))
+    return refuse(Tell("{:.0f} % of the error's energy above sensor noise stay",
+                       "{:.0f} % der Fehlerenergie über dem Sensorrauschen bleiben", 100 * excess / before));
   const Doubts doubts(strokes_, options_, start_, ranking_);
   const auto unseen = doubts.MayMoveBetweenRows(out);
   if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));
