@@ -38,10 +38,10 @@ struct ExplainOptions {
   double min_t = 4.0;      ///< size over its stroke-clustered standard error
   double floor_excess = kFloorExcess;
   double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
-  /// Share of the base model's excess that may be left above doubt_excess, for what was found to be a name at all: with a third, an
-  /// error that two causes share has one of them named.
-  double most_left = 1.0 / 3;
-  double left_share = 0.005;  ///< ... plus this share of the base model's excess
+  double left_share = 0.005;   ///< ... plus this share of the base model's excess
+  /// Share of the base model's excess that may be left above doubt_excess, for what was found to be a name at all: more stays than
+  /// it takes away.
+  double most_left = 0.5;
   /// Error over output, both rms, below which nothing is missing, however sure the error is: between rows signals do not quite move
   /// evenly. With 0 healthy presses whose controller is as slow as the rows have no verdict, with twice this tests miss effects.
   double trifle = 0.0005;
