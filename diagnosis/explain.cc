@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "diagnosis/doubts.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
@@ -17,10 +18,6 @@ namespace hydroscope {
 namespace {
 
 using Groups = std::vector<std::vector<std::string>>;
-
-bool Contains(const std::vector<std::string>& group, const std::string& id) {
-  return std::find(group.begin(), group.end(), id) != group.end();
-}
 
 /// Error energy per equation that ExplainOptions::trifle comes to.
 double TrifleOf(const StrokeSet& strokes, const ExplainOptions& options) {
@@ -346,11 +343,9 @@ void Explainer::Judge(Explanation& out) const {
   if (out.margin < -options_.beaten_margin)
     return refuse(Tell("a law without a name explains the error better ({})",
                        "ein Gesetz ohne Namen erklärt den Fehler besser ({})", out.margin_law));
-  const double excess = out.final.excess_ratio, before = start_.fit.excess_ratio;
-  if (excess > std::max(options_.doubt_excess, options_.most_left * before))
-    return refuse(Tell("{:.0f} % of the error's energy above sensor noise stay",
-                       "{:.0f} % der Fehlerenergie über dem Sensorrauschen bleiben", 100 * excess / before));
   const Doubts doubts(strokes_, options_, start_, ranking_);
+  if (out.final.excess_ratio > std::max(options_.doubt_excess, options_.most_left * start_.fit.excess_ratio))
+    return refuse(doubts.Of(out, AtFloor(out.final)));
   const auto unseen = doubts.MayMoveBetweenRows(out);
   if (unseen) out.groups.erase(out.groups.begin() + static_cast<std::ptrdiff_t>(unseen->effect));
   if (unseen && unseen->integrated) out.warnings.push_back(unseen->why);

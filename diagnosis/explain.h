@@ -62,8 +62,8 @@ struct ExplainOptions {
   double nonlinear_cost = 12.0;
   double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
-  double most_by_shape =
-      200.0;  ///< gain beyond which a law whose size may be zero, its shape free, is no all-clear
+  /// Gain beyond which a law whose size may be zero, its shape free, is no all-clear.
+  double most_by_shape = 200.0;
   double sure_gain = 60.0;  ///< ... but none worse by so many noise variances, and by more than MayRemain
   int max_effects = 2;      ///< effects hidden at once that are looked for
   bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly

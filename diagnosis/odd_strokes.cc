@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/contains.h"
 #include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 
@@ -84,10 +85,9 @@ Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd>
 
 /// The `count` strokes that one model describes best, where so many others bend the fit of all that these do not look the worst:
 /// from few strokes drawn at random, each fit is followed by that of the strokes which it describes best (least trimmed squares by
-/// concentration steps, Rousseeuw and Van Driessen 1999), until `enough` is said of one. Empty if no draw leads to any.
-template <typename Enough>
+/// concentration steps, Rousseeuw and Van Driessen 1999), until one's excess is `enough`. Empty if no draw leads to any.
 Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start, std::size_t count,
-                     const OddStrokeOptions& options, Enough enough) {
+                     double enough, const OddStrokeOptions& options) {
   const std::vector<Eigen::MatrixXd> grams = GramOfEach(strokes);
   std::mt19937_64 random(options.seed);
   Strokes all(grams.size()), best;
@@ -102,7 +102,7 @@ Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> sta
       if (used.size() == count && fit.excess_ratio < least) {
         best = used;
         least = fit.excess_ratio;
-        if (enough(fit)) return best;
+        if (least <= enough) return best;
       }
       Strokes next = BestDescribed(strokes, grams, ErrorOf(strokes.model(), fit), count);
       if (next == used) break;
@@ -125,10 +125,9 @@ std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<cons
   const auto count = static_cast<std::size_t>(strokes.strokes());
   const std::size_t least = LeastOf(strokes, options);
   if (least >= count) return {};
-  const auto described = [&](const ExtendedFit& fit) { return AreDescribed(fit, explain); };
   Strokes rest = WithoutTheWorst(strokes, start, explain, least);
-  if (rest.empty()) rest = Concentrated(strokes, start, least, options, described);
-  if (rest.empty() || !described(strokes.Only(rest).Fit(start))) return {};
+  if (rest.empty()) rest = Concentrated(strokes, start, least, explain.floor_excess, options);
+  if (rest.empty() || !AreDescribed(strokes.Only(rest).Fit(start), explain)) return {};
   Strokes odd;
   for (std::size_t s = 0; s < count; ++s)
     if (!std::binary_search(rest.begin(), rest.end(), s) && IsOdd(strokes, rest, s, start, options))
@@ -343,7 +342,7 @@ std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const Stroke
     if (families.size() == options.tried) break;
     if (!r.fit.solved || r.gain < explain.min_gain) continue;
     const std::string& family = FamilyOf(*ranked.model->effects[r.effect]);
-    if (std::find(families.begin(), families.end(), family) != families.end()) continue;
+    if (Contains(families, family)) continue;
     families.push_back(family);
     std::vector<EffectChoice> by(start.begin(), start.end());
     by.push_back(r.fit.effects.back().choice);
@@ -362,8 +361,8 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
   if (auto parted = PartedByOneOf(whole, strokes, start, explain, under, options)) return parted;
   // Strokes that err much hide what all have: the others show it.
   if (LeastOf(strokes, options) >= static_cast<std::size_t>(strokes.strokes())) return std::nullopt;
-  const Strokes best = Concentrated(strokes, start, LeastOf(strokes, options), options,
-                                    [](const ExtendedFit&) { return false; });
+  const Strokes best = Concentrated(strokes, start, LeastOf(strokes, options),
+                                    -std::numeric_limits<double>::infinity(), options);
   if (best.empty()) return std::nullopt;
   StrokeSet shaped = strokes;
   const Explanation of_best = ExplainPart(

@@ -20,8 +20,8 @@ struct OddStrokeOptions {
   double clear = 0.5;       ///< error energy per noise energy of a stroke that is odd, as the rest models it
   double deviations = 6.0;  ///< ... and in standard deviations of what noise makes of so many equations
   std::size_t least_named = 2;  ///< odd strokes that an effect must be seen in, each left out in turn
-  std::size_t tried =
-      6;  ///< effects that gain most, the best of each family, each tried as what the rest misses
+  /// Effects that gain most, the best of each family, each tried as what the rest misses.
+  std::size_t tried = 6;
   /// Share of the strokes that may be odd without a cause while nothing is missed in the rest, unless they fill this share
   /// of their stretch of the log: strokes scattered over a log rather are those in which an error of all shows most.
   double most_scattered = 0.1, together = 0.75;

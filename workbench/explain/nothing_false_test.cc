@@ -326,7 +326,7 @@ TEST(NothingFalse, AnEffectThatLeavesMuchOfTheErrorIsNoName) {
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_THAT(x.set, IsEmpty());
   EXPECT_TRUE(x.partial);
-  EXPECT_THAT(x.doubt.english, HasSubstr("of the error's energy above sensor noise"));
+  EXPECT_THAT(x.doubt.english, HasSubstr("more energy than sensor noise"));
 }
 
 /// What falls is of negative size, and no delay.

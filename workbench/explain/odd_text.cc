@@ -49,8 +49,8 @@ Told OddText(const ExplainResult& result, const OddStrokes& odd) {
   if (odd.set.empty())
     return Tell(
         "{} differ from the rest, and no effect of the library says how. They were left out; look at what happened there",
-        "{} weichen von den übrigen ab, und kein Effekt der Bibliothek sagt, wie. Sie wurden ausgelassen; zu prüfen ist, was dort "
-        "geschah",
+        "{} weichen von den übrigen ab, und kein Effekt der Bibliothek sagt, wie. "
+        "Sie wurden ausgelassen; zu prüfen ist, was dort geschah",
         which);
   if (odd.set == result.explanation.set)
     return Tell("this is so in {} alone; the others are described without it",

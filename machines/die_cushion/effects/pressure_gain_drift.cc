@@ -29,8 +29,8 @@ Effect PressureGainDrift(const CushionGeometry&) {
       "ein Vergleichsmanometer neben dem Sensor, vor und nach dem Lauf unter demselben Druck: Hübe allein halten es für einen "
       "Durchfluss, der wandert"};
   e.told_apart_by =
-      "a reference gauge beside the sensor, before and after the run at the same pressure: strokes alone take it for a flow that "
-      "wanders";
+      "a reference gauge beside the sensor, before and after the run at the same pressure: "
+      "strokes alone take it for a flow that wanders";
   e.drifting = {"the scale of the pressure sensor", "die Skala des Drucksensors"};
   e.walks = true;
   e.variant = [](const auto&) {
