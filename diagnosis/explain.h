@@ -177,6 +177,7 @@ struct OddStrokes {
   std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
   /// Of the base model: with another value in them it explains them as well; then `set` is [].
   std::string parameter = {};
+  Told doubt = {};  ///< why `set` is not proven, if so
 };
 
 /// A model that does better than the one as it is by giving up an effect that was added to it.

@@ -118,7 +118,52 @@ std::size_t LeastOf(const StrokeSet& strokes, const OddStrokeOptions& options) {
   return std::max(options.least, static_cast<std::size_t>(share));
 }
 
+/// The number of strokes before a single change: where two models, one before and one from there on, leave least of the error
+/// (Quandt 1960). 0 if no place leaves `least` strokes on either side.
+std::size_t StrokesBeforeAChange(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                 std::size_t least) {
+  const auto count = static_cast<std::size_t>(strokes.strokes());
+  Strokes all(count);
+  std::iota(all.begin(), all.end(), 0);
+  const auto left_of = [&](std::span<const std::size_t> part) {
+    const StrokeSet set = strokes.Only(part);
+    const ExtendedFit fit = set.Fit(start);
+    return fit.solved ? fit.excess_ratio * set.equations() : std::numeric_limits<double>::infinity();
+  };
+  std::size_t before = 0;
+  double fewest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = least; k + least <= count; ++k) {
+    const std::span<const std::size_t> of_all(all);
+    const double left = left_of(of_all.first(k)) + left_of(of_all.subspan(k));
+    if (left < fewest) before = k, fewest = left;
+  }
+  return before;
+}
+
 }  // namespace
+
+std::vector<std::size_t> FindStrokesPastChange(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                               const ExplainOptions& explain,
+                                               const OddStrokeOptions& options) {
+  const auto count = static_cast<std::size_t>(strokes.strokes());
+  const std::size_t before = StrokesBeforeAChange(strokes, start, options.least);
+  if (before == 0) return {};
+  Strokes all(count);
+  std::iota(all.begin(), all.end(), 0);
+  const auto part = [&](std::size_t from, std::size_t to) {
+    return Strokes(all.begin() + static_cast<std::ptrdiff_t>(from),
+                   all.begin() + static_cast<std::ptrdiff_t>(to));
+  };
+  const auto described = [&](std::size_t from, std::size_t to) {
+    return to - from >= options.least && AreDescribed(strokes.Only(part(from, to)).Fit(start), explain);
+  };
+  // The stroke in which it changed is like neither side.
+  if (described(0, before)) return part(before, count);
+  if (described(0, before - 1)) return part(before - 1, count);
+  if (described(before, count)) return part(0, before);
+  if (described(before + 1, count)) return part(0, before + 1);
+  return {};
+}
 
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options) {
@@ -260,8 +305,9 @@ std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std
                                         const Explanation& rest, const ExplainOptions& explain,
                                         const StrokesUnder& under, const OddStrokeOptions& options) {
   constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  std::optional<OddExplained> doubtful;
   for (const auto& [first, last] : kEnds) {
-    if (odd.size() < options.least_named + first + last) return std::nullopt;
+    if (odd.size() < options.least_named + first + last) break;
     const std::vector<std::size_t> left(odd.begin() + static_cast<std::ptrdiff_t>(first),
                                         odd.end() - static_cast<std::ptrdiff_t>(last));
     std::vector<std::size_t> used = RestOf(strokes, odd);
@@ -277,8 +323,10 @@ std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std
         ParameterInPlaceOf(found, explains, strokes.Only(left), rest.final, explain, options);
     if (!parameter.empty()) return OddExplained{{left, {}, std::move(parameter)}, rest};
     if (explains) return OddExplained{{left, found.set}, std::move(found)};
+    if (!doubtful && !found.set.empty() && AreDescribed(found.final, explain))
+      doubtful = OddExplained{{left, found.set, {}, found.doubt}, std::move(found)};
   }
-  return std::nullopt;
+  return doubtful;
 }
 
 /// Few, or one after another.
@@ -307,10 +355,9 @@ const std::string& FamilyOf(const Effect& effect) {
   return effect.family.empty() ? effect.id : effect.family.english;
 }
 
-std::optional<Explanation> Parted(StrokeSet strokes, std::span<const EffectChoice> by,
-                                  const ExplainOptions& explain, const StrokesUnder& under,
-                                  const OddStrokeOptions& options) {
-  std::vector<std::size_t> odd = FindOddStrokes(strokes, by, explain, options);
+/// The explanation of all but the strokes `odd`, and of these against it.
+std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, const ExplainOptions& explain,
+                                  const StrokesUnder& under, const OddStrokeOptions& options) {
   if (odd.empty()) return std::nullopt;
   const std::vector<std::size_t> rest = RestOf(strokes, odd);
   Explanation out = ExplainPart(
@@ -333,10 +380,22 @@ std::optional<Explanation> Parted(StrokeSet strokes, std::span<const EffectChoic
   return out;
 }
 
+/// Whether the odd strokes have a cause, but for two at most that a change began or ended in.
+bool HaveACause(const std::vector<OddStrokes>& odd) {
+  std::size_t without = 0;
+  for (const OddStrokes& part : odd)
+    if (part.set.empty() && part.parameter.empty()) without += part.strokes.size();
+  return without <= 2;
+}
+
+/// Which strokes are odd, by a model and the effects beside it.
+using OddBy = std::function<Strokes(const StrokeSet&, std::span<const EffectChoice>)>;
+
 /// Parted by the model as it is and one of the effects that gain most in `ranked`, the best of each family.
 std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const StrokeSet& strokes,
-                                         std::span<const EffectChoice> start, const ExplainOptions& explain,
-                                         const StrokesUnder& under, const OddStrokeOptions& options) {
+                                         std::span<const EffectChoice> start, const OddBy& odd_by,
+                                         const ExplainOptions& explain, const StrokesUnder& under,
+                                         const OddStrokeOptions& options) {
   std::vector<std::string> families;
   for (const RankedEffect& r : ranked.ranking) {
     if (families.size() == options.tried) break;
@@ -346,9 +405,24 @@ std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const Stroke
     families.push_back(family);
     std::vector<EffectChoice> by(start.begin(), start.end());
     by.push_back(r.fit.effects.back().choice);
-    if (auto parted = Parted(strokes, by, explain, under, options)) return parted;
+    if (auto parted = Parted(strokes, odd_by(strokes, by), explain, under, options)) return parted;
   }
   return std::nullopt;
+}
+
+/// Where the effects that gain most in all strokes do not part them, those do that gain most in the strokes described best: strokes
+/// that err much hide what all have.
+std::optional<Explanation> PartedByTheBest(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                           const OddBy& odd_by, const ExplainOptions& explain,
+                                           const StrokesUnder& under, const OddStrokeOptions& options) {
+  const std::size_t least = LeastOf(strokes, options);
+  if (least >= static_cast<std::size_t>(strokes.strokes())) return std::nullopt;
+  const Strokes best = Concentrated(strokes, start, least, -std::numeric_limits<double>::infinity(), options);
+  if (best.empty()) return std::nullopt;
+  StrokeSet shaped = strokes;
+  const Explanation of_best = ExplainPart(
+      shaped, [&](const StrokeSet& all) { return all.Only(best); }, explain, under);
+  return PartedByOneOf(of_best, shaped, start, odd_by, explain, under, options);
 }
 
 }  // namespace
@@ -357,17 +431,19 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
                                              const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options) {
   const std::span start(whole.chosen.data(), static_cast<std::size_t>(whole.started));
-  if (auto parted = Parted(strokes, start, explain, under, options)) return parted;
-  if (auto parted = PartedByOneOf(whole, strokes, start, explain, under, options)) return parted;
-  // Strokes that err much hide what all have: the others show it.
-  if (LeastOf(strokes, options) >= static_cast<std::size_t>(strokes.strokes())) return std::nullopt;
-  const Strokes best = Concentrated(strokes, start, LeastOf(strokes, options),
-                                    -std::numeric_limits<double>::infinity(), options);
-  if (best.empty()) return std::nullopt;
-  StrokeSet shaped = strokes;
-  const Explanation of_best = ExplainPart(
-      shaped, [&](const StrokeSet& all) { return all.Only(best); }, explain, under);
-  return PartedByOneOf(of_best, shaped, start, explain, under, options);
+  const OddBy scattered = [&](const StrokeSet& all, std::span<const EffectChoice> by) {
+    return FindOddStrokes(all, by, explain, options);
+  };
+  const OddBy changed = [&](const StrokeSet& all, std::span<const EffectChoice> by) {
+    return FindStrokesPastChange(all, by, explain, options);
+  };
+  if (auto parted = Parted(strokes, scattered(strokes, start), explain, under, options)) return parted;
+  if (auto parted = PartedByOneOf(whole, strokes, start, scattered, explain, under, options)) return parted;
+  if (auto parted = PartedByTheBest(strokes, start, scattered, explain, under, options)) return parted;
+  auto parted = Parted(strokes, changed(strokes, start), explain, under, options);
+  if (!parted) parted = PartedByOneOf(whole, strokes, start, changed, explain, under, options);
+  if (parted && !HaveACause(parted->odd_strokes)) return std::nullopt;
+  return parted;
 }
 
 }  // namespace hydroscope

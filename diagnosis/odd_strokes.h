@@ -39,6 +39,12 @@ using StrokesUnder = std::function<StrokeSet(std::shared_ptr<const ModelStructur
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options = {});
 
+/// The strokes from a single change of the log on, or, if only those are described by the model `start`, the ones before it, however
+/// many. Empty if neither side is described or one has fewer than `least` strokes.
+std::vector<std::size_t> FindStrokesPastChange(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                               const ExplainOptions& explain,
+                                               const OddStrokeOptions& options = {});
+
 /// An explanation in place of `whole`, of verdict unknown, if a few strokes are to blame: that of the rest, and of
 /// the odd strokes against it (an effect at work in these alone). Strokes are parted by the model as it is, then
 /// by it and one of the effects that gain most. If the rest misses nothing, verdict and set are those of the odd

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
@@ -82,6 +83,20 @@ TEST(OddStrokes, ManyThatAreScatteredAndWithoutACauseAreNoAllClear) {
     for (const auto& effect : *effects) options.exclude.push_back(effect->id);
   const Explanation x = ExplainSamples(log.model, log.strokes, log.window, options);
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
+}
+
+/// More than four tenths of the strokes: none of them look odd, but from one on they are.
+TEST(OddStrokes, AfterAChangeMayBeMost) {
+  const Explanation leaks =
+      Explained(LogWith({{"leaky_stretch", 8e-12, {{"begin", 0.4}, {"length", 1}}, {}}}));
+  ASSERT_THAT(leaks.odd_strokes, Not(IsEmpty()));
+  EXPECT_THAT(leaks.odd_strokes.front().set, ElementsAre("internal_leakage"));
+  EXPECT_GE(leaks.odd_strokes.front().strokes.size(), 8u);
+
+  const Explanation reads_high =
+      Explained(LogWith({{"bad_stretch", 4e5, {{"begin", 0.5}, {"length", 1}}, {}}}));
+  ASSERT_THAT(reads_high.odd_strokes, Not(IsEmpty()));
+  EXPECT_THAT(reads_high.odd_strokes.front().set, IsSupersetOf({"pressure_offset", "tank_pressure"}));
 }
 
 TEST(OddStrokes, ABadStretchOfASensorSpoilsNoOtherStroke) {

@@ -104,6 +104,7 @@ double KnownScale(const SignalNoise& noise) {
       return noise.seen_at_rest ? noise.quiet_std * noise.quiet_std / contrast : kUnstated;
     case NoiseKind::kColoured:
     case NoiseKind::kInterpolated:
+    case NoiseKind::kHeld:
       return std::isfinite(noise.slow_ratio) ? std::max(noise.ratio, noise.slow_ratio) : noise.ratio;
     case NoiseKind::kQuantised:
       return std::isfinite(noise.stated) ? noise.stated * noise.stated / contrast : kUnstated;
@@ -111,11 +112,15 @@ double KnownScale(const SignalNoise& noise) {
   return kUnstated;
 }
 
+/// Readings that no sensor gave in their rows.
+bool AreMadeUp(const SignalNoise& noise) {
+  return noise.kind == NoiseKind::kInterpolated || noise.kind == NoiseKind::kHeld;
+}
+
 /// Whether KnownScale is the statement of the machine file. What is stated of filtered noise says nothing of
 /// how much of it a block sees.
 bool FromStatement(const SignalNoise& noise) {
-  return noise.kind != NoiseKind::kColoured && noise.kind != NoiseKind::kInterpolated &&
-         std::isfinite(noise.stated);
+  return noise.kind != NoiseKind::kColoured && !AreMadeUp(noise) && std::isfinite(noise.stated);
 }
 
 /// By how much the signal may change the noise energy of the balance, as a share of it.
@@ -143,7 +148,7 @@ void Conclude(double floor_excess, FloorTrust& trust) {
     if (noise.kind == NoiseKind::kDisagreesWithStated && noise.share > floor_excess)
       trust.sentences.push_back(noise.sentence);
     if (!counts) {
-      if (noise.kind == NoiseKind::kInterpolated) trust.sentences.push_back(noise.sentence);
+      if (AreMadeUp(noise)) trust.sentences.push_back(noise.sentence);
       continue;
     }
     if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence.english;

@@ -15,15 +15,21 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Steps between neighbouring readings.
 struct ReadingSteps {
-  double smallest = 0, median = 0, repeated = 0;
+  double smallest = 0, median = 0;
+  double repeated = 0;  ///< share of readings that equal the one before
+  double off_grid = 0;  ///< share of steps that are no multiple of the smallest
+  double unique = 0;    ///< share of new readings that no other equals
 
   static ReadingSteps Of(std::span<const SignalRuns> strokes) {
-    std::vector<double> steps;
+    std::vector<double> steps, readings;
     std::size_t pairs = 0;
     for (const SignalRuns& stroke : strokes)
       for (const std::vector<double>& run : stroke)
-        for (std::size_t k = 1; k < run.size(); ++k, ++pairs)
-          if (run[k] != run[k - 1]) steps.push_back(std::abs(run[k] - run[k - 1]));
+        for (std::size_t k = 1; k < run.size(); ++k, ++pairs) {
+          if (run[k] == run[k - 1]) continue;
+          steps.push_back(std::abs(run[k] - run[k - 1]));
+          readings.push_back(run[k]);
+        }
     ReadingSteps out;
     if (pairs == 0) return out;
     out.repeated = 1.0 - static_cast<double>(steps.size()) / static_cast<double>(pairs);
@@ -33,12 +39,21 @@ struct ReadingSteps {
     out.median = *middle;
     // Rounding of decimal numbers makes tiny differences of differences; a step is one that is reached.
     out.smallest = *std::ranges::min_element(steps);
+    const auto off = std::ranges::count_if(steps, [&](double step) {
+      const double multiple = step / out.smallest;
+      return std::abs(multiple - std::round(multiple)) > kOffGrid;
+    });
+    out.off_grid = static_cast<double>(off) / static_cast<double>(steps.size());
+    std::ranges::sort(readings);
+    std::size_t alone = 0;
+    for (std::size_t k = 0; k < readings.size(); ++k)
+      alone += (k == 0 || readings[k] != readings[k - 1]) &&
+               (k + 1 == readings.size() || readings[k] != readings[k + 1]);
+    out.unique = static_cast<double>(alone) / static_cast<double>(readings.size());
     return out;
   }
-  /// A resolution, and not readings that are held: noise moves a coarse reading by one step or two, seldom by three.
-  bool Coarse() const { return median <= kCoarseSteps * smallest; }
 
-  static constexpr double kCoarseSteps = 2.5;
+  static constexpr double kOffGrid = 0.1;  ///< of the smallest step
 };
 
 /// Readings between their neighbours: on the straight line, or a corner.
@@ -104,21 +119,30 @@ double RangeOf(std::span<const SignalRuns> strokes) {
   return quantile(0.95) - low;
 }
 
-void DescribeSteps(const ReadingSteps& steps, double period, SignalNoise& noise) {
+void DescribeSteps(const ReadingSteps& steps, double period, const SignalNoiseOptions& options,
+                   SignalNoise& noise) {
   const int percent = static_cast<int>(std::lround(100 * noise.repeated));
-  if (steps.Coarse()) {
+  if (steps.off_grid <= options.off_grid_share || steps.unique <= options.unique_share) {
     noise.kind = NoiseKind::kQuantised;
     noise.sentence = Tell(
         "{} is read in steps of {}, which hide its noise: {} % of the readings repeat the one before",
         "{} wird in Stufen von {} gelesen, die das Rauschen verdecken: {} % der Werte wiederholen den davor",
         noise.name, WithUnit(noise.quantum, noise.unit), percent);
-  } else {
-    noise.kind = NoiseKind::kColoured;
+    return;
+  }
+  noise.kind = NoiseKind::kHeld;
+  if (steps.smallest >= options.deadband_step * steps.median)
+    noise.sentence = Tell(
+        "{} was stored only where it had moved by {} or more, as a historian with a deadband does: {} % of its readings repeat "
+        "the one before; what it did in between is lost. Record it at every row",
+        "{} wurde nur gespeichert, wo es sich um {} oder mehr bewegt hatte, wie ein Archiv mit Totband es tut: {} % der Werte "
+        "wiederholen den davor; was dazwischen geschah, fehlt. In jeder Zeile aufzeichnen",
+        noise.name, WithUnit(steps.smallest, noise.unit), percent);
+  else
     noise.sentence =
         Tell("{} % of the readings of {} repeat the one before: it is updated less often than every {}",
              "{} % der Werte von {} wiederholen den davor: es wird seltener als alle {} erneuert", percent,
              noise.name, Milliseconds(period));
-  }
 }
 
 void DescribeInterpolation(SignalNoise& noise) {
@@ -214,6 +238,8 @@ const char* NoiseKindName(NoiseKind kind) {
       return "not as stated";
     case NoiseKind::kInterpolated:
       return "interpolated";
+    case NoiseKind::kHeld:
+      return "held";
   }
   return "not known";
 }
@@ -228,6 +254,8 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   const ReadingSteps steps = ReadingSteps::Of(strokes);
   noise.quantum = steps.smallest;
   noise.repeated = steps.repeated;
+  noise.off_grid = steps.off_grid;
+  noise.unique = steps.unique;
   noise.range = RangeOf(strokes);
   const Corners corners = Corners::Of(strokes, steps.smallest);
   noise.straight = corners.straight;
@@ -237,10 +265,11 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   noise.quiet_std = std::sqrt(contrasts.Energy(0, true));
   if (noise.std <= 0) return noise;
   if (noise.repeated > options.repeated_share)
-    DescribeSteps(steps, period, noise);
+    DescribeSteps(steps, period, options, noise);
   else
     JudgeContrasts(contrasts, period, options, noise);
-  if (corners.AreOfInterpolation(steps.smallest, options)) DescribeInterpolation(noise);
+  if (noise.kind != NoiseKind::kHeld && corners.AreOfInterpolation(steps.smallest, options))
+    DescribeInterpolation(noise);
   return noise;
 }
 

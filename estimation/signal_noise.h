@@ -19,9 +19,10 @@ enum class NoiseKind {
   kSignalInContrast,  ///< the signal itself moves from row to row: sampled too slowly to see the noise
   kDisagreesWithStated,  ///< white, and clearly less than the machine file says
   kInterpolated,         ///< stored at some rows only, the others drawn straight between them
+  kHeld,                 ///< stored at some rows only, the others repeat them
 };
 
-/// "white", "coloured", "quantised", "signal", "not as stated", "interpolated", "not known".
+/// "white", "coloured", "quantised", "signal", "not as stated", "interpolated", "held", "not known".
 const char* NoiseKindName(NoiseKind kind);
 
 /// Noise of one signal, by contrasts over single rows, pairs and fours of rows (RowContrasts).
@@ -38,6 +39,8 @@ struct SignalNoise {
   double slope = 0;     ///< d ln energy / d ln d from one to two rows; white 0, first order up to 2, motion 5
   double range = 0;     ///< SI, from the 5 % to the 95 % quantile of the readings
   double quantum = 0;   ///< SI, smallest step between readings
+  double off_grid = 0;  ///< share of steps that are no multiple of it
+  double unique = 0;    ///< share of readings other than the one before that no other reading equals
   double repeated = 0;  ///< share of readings equal to the one before
   /// Share of readings that lie, to the resolution, midway between their neighbours while these differ.
   double straight = 0;
@@ -61,6 +64,10 @@ struct SignalNoiseOptions {
   /// Share of repeated readings beyond which the resolution hides the noise: with normal noise of std s
   /// and a resolution q it is 0.28 q / s, here q = 1.4 s.
   double repeated_share = 0.4;
+  /// Steps of a resolution are multiples of it, and its readings come again. Where these shares of the steps and of the readings
+  /// do not, readings were held: by a slower task, or until they left a deadband, which the smallest step then is at least this
+  /// share of a usual one.
+  double off_grid_share = 0.3, unique_share = 0.5, deadband_step = 0.4;
   /// A historian stores what leaves a deadband, and an export draws straight lines between: this share of readings lies on
   /// them (of white noise a hundredth does), corners are this many times the resolution, and so many of them turn back,
   /// which those of a signal without noise do not.

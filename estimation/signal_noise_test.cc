@@ -81,8 +81,23 @@ TEST(SignalNoise, SeesReadingsThatRepeat) {
   for (SignalRuns& stroke : strokes)
     for (std::size_t k = 1; k < stroke[0].size(); k += 2) stroke[0][k] = stroke[0][k - 1];
   const SignalNoise held = Judged(strokes);
-  EXPECT_EQ(held.kind, NoiseKind::kColoured);
+  EXPECT_EQ(held.kind, NoiseKind::kHeld);
   EXPECT_THAT(held.sentence.english, HasSubstr("updated less often than every 2 ms"));
+}
+
+TEST(SignalNoise, TellsReadingsHeldByADeadbandFromCoarseOnes) {
+  auto strokes = Strokes(3, 0, 30);
+  auto coarse = strokes;
+  for (SignalRuns& stroke : strokes)
+    for (std::size_t k = 1; k < stroke[0].size(); ++k)
+      if (std::abs(stroke[0][k] - stroke[0][k - 1]) < 2) stroke[0][k] = stroke[0][k - 1];
+  const SignalNoise held = Judged(strokes);
+  EXPECT_EQ(held.kind, NoiseKind::kHeld);
+  EXPECT_THAT(held.sentence.english, HasSubstr("only where it had moved by 2"));
+  // Steps of a converter, written with few decimals.
+  for (SignalRuns& stroke : coarse)
+    for (double& x : stroke[0]) x = std::round(2.441 * std::round(x / 2.441));
+  EXPECT_EQ(Judged(coarse).kind, NoiseKind::kQuantised);
 }
 
 /// What leaves the deadband is stored, to `resolution`; between stored readings the line is straight.

@@ -3,43 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/quantile.h"
 #include "replay/retimed_reader.h"
+#include "replay/rhythm.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kLeastChanges = 50;  // that tell a rhythm
-// Of the rows between two changes: so many lie within one row of the middle one, and hardly one follows the other at once.
-constexpr double kInRhythm = 0.8, kAtOnce = 0.1;
 // Of the rows in which one of the signals changes, in so many each of them does.
 constexpr double kTogether = 0.8;
-
-bool Differ(double a, double b) { return a != b && !(std::isnan(a) && std::isnan(b)); }
-
-/// Rows of a column in which it changes.
-std::vector<std::size_t> Changes(const std::vector<double>& column) {
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 1; row < column.size(); ++row)
-    if (Differ(column[row], column[row - 1])) rows.push_back(row);
-  return rows;
-}
-
-enum class Rhythm { kNone, kEveryRow, kHeld };
-
-Rhythm RhythmOf(const std::vector<std::size_t>& changes) {
-  if (changes.size() < kLeastChanges) return Rhythm::kNone;
-  std::vector<double> apart;
-  for (std::size_t k = 1; k < changes.size(); ++k)
-    apart.push_back(static_cast<double>(changes[k] - changes[k - 1]));
-  const double middle = Median(apart, 0);
-  const auto share = [&](auto&& holds) {
-    return static_cast<double>(std::ranges::count_if(apart, holds)) / static_cast<double>(apart.size());
-  };
-  if (share([](double rows) { return rows == 1; }) > kAtOnce) return Rhythm::kEveryRow;
-  return share([&](double rows) { return std::abs(rows - middle) <= 1; }) >= kInRhythm ? Rhythm::kHeld
-                                                                                       : Rhythm::kNone;
-}
 
 class NewRowsReader : public RetimedReader {
  public:
@@ -71,12 +42,12 @@ std::optional<HeldRows> FindHeldRows(const SampleBlock& head, const Machine& mac
   HeldRows held;
   std::vector<std::vector<std::size_t>> changes;
   for (std::size_t s = 0; s < head.signal.size(); ++s) {
-    std::vector<std::size_t> of_signal = Changes(head.signal[s]);
-    const Rhythm rhythm = RhythmOf(of_signal);
-    if (rhythm == Rhythm::kEveryRow && machine.signals[s].required) return std::nullopt;
-    if (rhythm != Rhythm::kHeld || !machine.signals[s].required) continue;
+    if (!machine.signals[s].required) continue;
+    Rhythm rhythm = RhythmOf(head.signal[s]);
+    if (rhythm.kind == Rhythm::Kind::kEveryRow) return std::nullopt;
+    if (rhythm.kind != Rhythm::Kind::kHeld) continue;
     held.signals.push_back(s);
-    changes.push_back(std::move(of_signal));
+    changes.push_back(std::move(rhythm.changes));
   }
   if (held.signals.size() < 2) return std::nullopt;
   std::vector<std::size_t> any;

@@ -19,7 +19,7 @@ struct HeldRows {
 };
 
 /// Looks at the first rows of a log. Nothing if a signal that the machine needs changes from row to row, or if it is only one
-/// that stands still: that one is late, the others are not.
+/// that stands still: that one is late, the others are not (replay/held_signals.h).
 std::optional<HeldRows> FindHeldRows(const SampleBlock& head, const Machine& machine);
 
 /// `reader` without the rows in which none of the signals of `held` is new, and flags of time that follow from the others.

@@ -8,6 +8,7 @@
 #include "replay/csv_reader.h"
 #include "replay/even_rows.h"
 #include "replay/held_rows.h"
+#include "replay/held_signals.h"
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
@@ -57,6 +58,7 @@ Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machin
   SampleBlock head;
   if (const auto rows = (*log)->Read(head, kRowsOfHead); !rows) return OpenStamped(path, machine);
   const auto held = FindHeldRows(head, machine);
+  const auto slow = held ? std::nullopt : FindHeldSignals(head, machine);
   const auto copied = held ? std::nullopt : FindCopiedRows(head);
   const auto open = [&] {
     auto again = OpenStamped(path, machine);
@@ -70,6 +72,7 @@ Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machin
       if (auto found = FindEvenRows(**whole)) even = std::move(*found);
   log = open();
   if (log && even) log = WithEvenTimes(std::move(*log), std::move(*even));
+  if (log && slow) log = WithDrawnSignals(std::move(*log), *slow);
   return log;
 }
 

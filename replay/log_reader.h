@@ -26,7 +26,7 @@ struct LogCounters {
   std::int64_t rejected_rows = 0;  ///< rows that could not be delivered at all (torn, wrong field count)
   std::array<std::int64_t, 16> flagged{};  ///< values per quality flag (bit number), set by the reader
   std::vector<LogFinding> findings;        ///< the first 100
-  /// Why rows have times other than their stamps, or are fewer than the log has; "" if neither.
+  /// Why rows have times other than their stamps, are fewer than the log has, or readings other than it has; "" if none of these.
   Told time_base;
 };
 
@@ -46,7 +46,8 @@ class LogReader {
 
 /// Opens a CSV (plain or .gz) or MAT (v4 to v7.3) log with the columns, units, scales and offsets of `machine`. Rows that a
 /// logger repeats (replay/held_rows.h) or writes twice (replay/copied_rows.h) are left out, and rows whose stamps are coarse or
-/// jitter get even times where they have them (replay/even_rows.h). Missing column: an error that lists the columns found and suggests the nearest.
+/// jitter get even times where they have them (replay/even_rows.h); signals that are new every few rows only are drawn straight in
+/// between (replay/held_signals.h). Missing column: an error that lists the columns found and suggests the nearest.
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine);
 
 }  // namespace hydroscope

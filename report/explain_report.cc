@@ -73,7 +73,9 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
   std::vector<std::string> out = {ErrorSentence(result)};
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
-      out.push_back("Check on the machine – " + DescribedInPage(result, id));
+      out.push_back(
+          (x.partial ? "Check on the machine, this or a relative of it – " : "Check on the machine – ") +
+          DescribedInPage(result, id));
   for (const OddStrokes& odd : x.odd_strokes)
     out.push_back("Not everywhere – " + EscapeText(OddText(result, odd).english) + ".");
   if (!x.doubt.empty())

@@ -38,19 +38,22 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
   if (s.kind == "two_gain_spool") s.extra["knee"] = Between(random, 0.08, 0.25);
   if (s.kind == "leakage_temperature") s.extra["rate"] = Between(random, 0.02, 0.05);
   if (s.kind == "exponential_viscosity") s.extra["rate"] = Between(random, 0.03, 0.08);
-  if (s.kind == "leaky_stretch" || s.kind == "bad_stretch")
-    s.extra = {{"begin", Between(random, 0.1, 0.7)}, {"length", Between(random, 0.08, 0.25)}};
+  if (s.kind == "leaky_stretch" || s.kind == "bad_stretch") {
+    const bool for_good = Uniform(random) < 0.5;
+    s.extra = {{"begin", Between(random, 0.1, 0.7)}, {"length", for_good ? 1 : Between(random, 0.08, 0.25)}};
+  }
   if (s.kind == "Q_vn_step") s.extra["until"] = Between(random, 0.15, 0.85);
   if (s.kind == "stuck" || s.kind == "frozen") {
     s.extra["begin"] = Between(random, 5, 45);
     s.channel = Uniform(random) < 0.5 ? "y_v" : "p_A";
   }
-  if (s.kind == "saturation") s.size = Between(random, 110, 180) * 1e5;
-  if (s.kind == "wrong_unit") s.size = Uniform(random) < 0.5 ? 1e-5 : 1e-3;
-  if (s.kind == "one_signal_early") {
+  if (s.kind == "slow_task" || s.kind == "deadband" || s.kind == "one_signal_early") {
     const char* channels[] = {"p_A", "z", "y_v"};
     s.channel = channels[random() % 3];
   }
+  if (s.kind == "slow_task") s.size = 2 + static_cast<double>(random() % 4);
+  if (s.kind == "saturation") s.size = Between(random, 110, 180) * 1e5;
+  if (s.kind == "wrong_unit") s.size = Uniform(random) < 0.5 ? 1e-5 : 1e-3;
   if (s.kind == "pressure_offset_temperature") s.extra["set_at"] = Between(random, 288, 303);
   if (s.kind == "pressure_crosstalk") s.channel = Uniform(random) < 0.5 ? "y_v" : "U_v";
   if (s.kind == "displacement_gain_temperature") s.channel = Uniform(random) < 0.5 ? "y_v" : "z";
@@ -97,6 +100,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"plc_filter", kNoise, {"signal_lag"}},
       {"quantisation", kNoise, {}},
       {"spikes", kNoise, {}},
+      {"slow_task", kNoise, {}},
       {"time_jitter", kNoise, {}},
       {"dropped_rows", kNoise, {}},
       {"slow_sampling", kNoise, {}},
@@ -148,6 +152,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"stuck", kFlagged, {}},
       {"frozen", kFault, {}},
       {"saturation", kFault, {}},
+      {"deadband", kFault, {}},
       {"wrong_unit", kRefused, {}},
   };
   return kinds;

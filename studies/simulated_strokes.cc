@@ -5,6 +5,7 @@
 
 #include "acquisition/quality_monitor.h"
 #include "pipeline/physical_sizes.h"
+#include "replay/held_signals.h"
 #include "replay/time_check.h"
 
 namespace hydroscope {
@@ -55,6 +56,7 @@ Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, Ke
   if (!pipeline) return tl::unexpected(pipeline.error());
   (*pipeline)->set_tap(keep == KeepSamples::kYes ? collector.Tap() : tap);
   SampleBlock rows = RowsOf(log, machine);
+  if (const auto held = FindHeldSignals(rows, machine)) DrawHeldSignals(*held, rows);
   LogCounters counters;
   TimeChecker(period).Check(rows, counters);
   SizeWatch sizes(machine, period);

@@ -67,6 +67,8 @@ enum class ImperfectionKind {
   kSpikes,
   kSaturation,
   kQuantisation,
+  kSlowTask,
+  kDeadband,
   kStuck,
   kWrongUnit,
   kTimeJitter,

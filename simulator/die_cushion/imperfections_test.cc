@@ -401,6 +401,13 @@ TEST(Imperfections, ReadingsAreLimitedSteppedStuckAndOutliers) {
   for (int k = 101; k < 150; ++k) ASSERT_EQ(stuck[k], stuck[100]);
   EXPECT_NE(stuck[99], stuck[100]);
   EXPECT_NE(stuck[150], stuck[100]);
+  const std::vector<double> slow = AtRest({"slow_task", 4, {}, "p_A"}, 400);
+  for (int k = 0; k < 400; ++k) ASSERT_EQ(slow[k], slow[k - k % 4]);
+  EXPECT_NE(slow[8], slow[4]);
+  const std::vector<double> stored = AtRest({"deadband", 2, {}, "p_A"}, 2000);
+  for (int k = 1; k < 2000; ++k)
+    ASSERT_TRUE(stored[k] == stored[k - 1] || std::abs(stored[k] - stored[k - 1]) >= 2 * 2.2e5);
+  EXPECT_NE(stored.front(), stored.back());
   const std::vector<double> spiked = AtRest({"spikes", 40, {{"rate", 0.5}}, ""}, 400000);
   const auto spikes = std::count_if(spiked.begin(), spiked.end(),
                                     [](double p) { return std::abs(p - 100 * kBar) > 30 * 2.2e5; });

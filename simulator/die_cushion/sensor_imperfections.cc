@@ -157,6 +157,16 @@ void SensorImperfections::Spike(Active& active, PressRow& row) {
   });
 }
 
+template <typename IsNew>
+void SensorImperfections::Repeat(Active& active, PressRow& row, const IsNew& is_new) {
+  ForChannels(active, row, [&](int k, double& value) {
+    double& held = active.held[k];
+    if (!active.begun[k] || is_new(k, value, held)) held = value;
+    active.begun[k] = true;
+    value = held;
+  });
+}
+
 bool SensorImperfections::Transport(PressRow& row) {
   bool present = true;
   for (Active& active : active_) {
@@ -175,6 +185,16 @@ bool SensorImperfections::Transport(PressRow& row) {
         ForChannels(active, row, [&](int k, double& value) {
           const double step = one.size * std_[k];
           if (step > 0) value = std::round(value / step) * step;
+        });
+        break;
+      case kSlowTask:
+        Repeat(active, row, [&](int, double, double) {
+          return std::llround(row.t / period_) % std::llround(one.size) == 0;
+        });
+        break;
+      case kDeadband:
+        Repeat(active, row, [&](int k, double value, double held) {
+          return std::abs(value - held) >= one.size * std_[k];
         });
         break;
       case kStuck:

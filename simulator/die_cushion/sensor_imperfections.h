@@ -49,6 +49,9 @@ class SensorImperfections {
   void Filter(Active& active, PressRow& row);
   void Hold(Active& active, PressRow& row);
   void Spike(Active& active, PressRow& row);
+  /// Repeats readings until `is_new(channel, reading, held)`.
+  template <typename IsNew>
+  void Repeat(Active& active, PressRow& row, const IsNew& is_new);
 
   std::vector<Active> active_;
   std::array<double, 7> std_;

@@ -169,6 +169,7 @@ nlohmann::json OddStrokesJson(const ExplainResult& result) {
                    {"begin_s", begin},
                    {"set", odd.set},
                    {"parameter", odd.parameter},
+                   {"doubt", odd.doubt.english},
                    {"sentence", sentence.english},
                    {"german", {{"sentence", sentence.german}}}});
   }

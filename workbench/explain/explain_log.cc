@@ -105,18 +105,18 @@ void DoubtForUntried(const LogStrokes& log, Explanation& x) {
 }
 
 /// A play, a lag or a delay of a signal that was stored at some rows only may be what the storage made of it.
-void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
-  if (x.partial || x.set.empty()) return;
-  const auto interpolated = std::ranges::find_if(
-      floor.signals, [](const SignalNoise& s) { return s.kind == NoiseKind::kInterpolated; });
-  if (interpolated == floor.signals.end()) return;
+void DoubtForStorage(const FloorTrust& floor, Explanation& x) {
+  const auto stored = std::ranges::find_if(floor.signals, [](const SignalNoise& s) {
+    return s.kind == NoiseKind::kInterpolated || s.kind == NoiseKind::kHeld;
+  });
+  if (x.partial || stored == floor.signals.end()) return;
+  if (x.verdict == Verdict::kUnknown && x.doubt.empty()) x.doubt = stored->sentence;
   for (const auto& effect : x.model->effects) {
     if (!effect->correct || !Contains(x.set, effect->id)) continue;
     x.partial = true;
-    x.doubt = Tell(
-        "{} was stored at some rows only and drawn straight between them: that alone looks like {}",
-        "{} wurde nur in manchen Zeilen gespeichert und dazwischen gerade gezogen: das allein sieht aus wie {}",
-        interpolated->name, effect->id);
+    x.doubt = Tell("{} was stored at some rows only: that alone looks like {}",
+                   "{} wurde nur in manchen Zeilen gespeichert: das allein sieht aus wie {}", stored->name,
+                   effect->id);
     return;
   }
 }
@@ -209,7 +209,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   WarnOfFloor(floor, out.explanation);
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   DoubtForUntried(log, out.explanation);
-  DoubtForInterpolated(floor, out.explanation);
+  DoubtForStorage(floor, out.explanation);
   DoubtForEcho(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);

@@ -36,7 +36,8 @@ constexpr double kMovedShown = 0.01;  // of a parameter: less than the per cent 
 std::string Described(const ExplainResult& result, const std::string& id) {
   const Effect* effect = result.FindEffect(id);
   if (effect == nullptr) return "  " + id + "\n";
-  return fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
+  const std::string name = effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
+  return fmt::format("  {}\n    {}\n", name, effect->plain);
 }
 
 std::string ErrorSentence(const ExplainResult& result) {
@@ -66,9 +67,11 @@ std::string DriftsText(const ExplainResult& result) {
 
 std::string NamedText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  std::string text = x.set.size() == 1
-                         ? "NAMED: the model misses one effect.\n"
-                         : fmt::format("NAMED: the model misses {} effects at once.\n", x.set.size());
+  const bool one = x.set.size() == 1;
+  const std::string missing = one ? "one effect" : fmt::format("{} effects at once", x.set.size());
+  std::string text = x.partial ? fmt::format("NAMED, NOT PROVEN: the model misses {}, {}.\n", missing,
+                                             one ? "this or a relative of it" : "these or relatives of them")
+                               : fmt::format("NAMED: the model misses {}.\n", missing);
   for (const std::string& id : x.set) text += Described(result, id);
   return text + DriftsText(result);
 }

@@ -7,12 +7,23 @@
 namespace hydroscope {
 namespace {
 
-/// "3 (at 12.4 s), 9 (at 40.1 s)".
+constexpr std::size_t kRun = 3;  ///< strokes one after another of which only the first and the last are told
+
+/// "3 (at 12.4 s), 9 to 14 (40.1 to 93.7 s)".
 Told PlacesOf(const ExplainResult& result, const OddStrokes& odd) {
+  const auto summary = [&](std::size_t at) -> const StrokeSummary& {
+    return result.log.strokes[odd.strokes[at]].summary;
+  };
   Told places;
-  for (const std::size_t s : odd.strokes) {
-    const StrokeSummary& stroke = result.log.strokes[s].summary;
-    const Told place = Tell("{} (at {:.1f} s)", "{} (bei {:.1f} s)", stroke.index, stroke.begin);
+  for (std::size_t first = 0, next = 0; first < odd.strokes.size(); first = next) {
+    for (next = first + 1; next < odd.strokes.size(); ++next)
+      if (odd.strokes[next] != odd.strokes[next - 1] + 1) break;
+    if (next - first < kRun) next = first + 1;
+    const StrokeSummary &begin = summary(first), &end = summary(next - 1);
+    const Told place = next == first + 1
+                           ? Tell("{} (at {:.1f} s)", "{} (bei {:.1f} s)", begin.index, begin.begin)
+                           : Tell("{} to {} ({:.1f} to {:.1f} s)", "{} bis {} ({:.1f} bis {:.1f} s)",
+                                  begin.index, end.index, begin.begin, end.begin);
     places = places.empty() ? place : Tell("{}, {}", "{}, {}", places, place);
   }
   return places;
@@ -55,9 +66,11 @@ Told OddText(const ExplainResult& result, const OddStrokes& odd) {
   if (odd.set == result.explanation.set)
     return Tell("this is so in {} alone; the others are described without it",
                 "das gilt nur für {}; die übrigen sind ohne es beschrieben", which);
-  return Tell("{} differ from the rest: in them alone there is besides {}. They were left out",
-              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}. Sie wurden ausgelassen",
-              which, NamesOf(result, odd.set));
+  const Told doubt =
+      odd.doubt.empty() ? Told() : Tell(" (not proven: {})", " (nicht bewiesen: {})", odd.doubt);
+  return Tell("{} differ from the rest: in them alone there is besides {}{}. They were left out",
+              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}{}. Sie wurden ausgelassen",
+              which, NamesOf(result, odd.set), doubt);
 }
 
 }  // namespace hydroscope

@@ -199,6 +199,7 @@ export const de: Words = {
   verdictTitle: "Urteil",
   adequate: "Das Modell beschreibt diese <Hübe|Episoden>. Nichts ragt aus dem Sensorrauschen.",
   named: "Dem Modell fehlt:",
+  namedInDoubt: "Dem Modell fehlt dies oder etwas Verwandtes:",
   ambiguous: "Dem Modell fehlt etwas, und diese <Hübe|Episoden> können nicht sagen, was hiervon es ist:",
   unknown: "Dem Modell fehlt etwas, und nichts in der Bibliothek erklärt es.",
   mayBeNoise: "Der Fehler ist mehr als das Rauschen, das Zeilen zeigen, und nichts sagt ihn voraus. Es kann Rauschen sein, das nicht weiß ist, oder ein Gesetz, das keine Funktion der Signale zeigt. <Hübe|Episoden> mit halber Geschwindigkeit und halber Last aufzeichnen: Rauschen bleibt so groß, ein Gesetz nicht.",

@@ -198,6 +198,7 @@ export const en = {
   verdictTitle: "Verdict",
   adequate: "The model describes these <strokes|episodes>. Nothing stands out of the sensor noise.",
   named: "The model misses this:",
+  namedInDoubt: "The model misses this, or a relative of it:",
   ambiguous: "The model misses something, and these <strokes|episodes> cannot tell which of these it is:",
   unknown: "The model misses something, and nothing in the library explains it.",
   mayBeNoise: "The error is more than the noise that rows show, and nothing predicts it. It may be noise that is not white, or a law that no function of the signals shows. Record <strokes|episodes> at half the speed and half the load: noise stays as large, a law does not.",
