@@ -285,6 +285,18 @@ void AllowForNoise(const ExplainOptions& options, Explanation& x) {
 /// Share by which noise may be more than neighbouring rows promise without a word.
 constexpr double kTold = 0.01;
 
+/// Noise above what neighbouring rows promise, if it is more than is left without a word.
+void TellOfFloor(Explanation& x) {
+  const double above = std::sqrt(x.noise_scale) - 1;
+  if (above < kTold) return;
+  x.warnings.push_back(Tell(
+      "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
+      "it: taken as noise that is not quite white",
+      "der Fehler liegt {:.0f} % über dem, was benachbarte Zeilen versprechen, und nichts sagt ihn voraus: "
+      "er gilt als Rauschen, das nicht ganz weiß ist",
+      100 * above));
+}
+
 /// The explanation of the model as it is, whatever was added to it.
 Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
@@ -305,18 +317,15 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   scaled.noise_scale = out.noise_scale;
   scaled.evidence_scale = out.evidence_scale;
   if (auto parted = ExplainOddStrokes(under(out.model), out, scaled, under)) return std::move(*parted);
-  if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
-  Explanation without = ExplainWithoutFloor(model, strokes, window, options);
-  if (without.verdict == Verdict::kUnknown) return out;
-  const double above = std::sqrt(without.noise_scale) - 1;
-  if (above < kTold) return without;
-  without.warnings.push_back(Tell(
-      "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
-      "it: taken as noise that is not quite white",
-      "der Fehler liegt {:.0f} % über dem, was benachbarte Zeilen versprechen, und nichts sagt ihn voraus: "
-      "er gilt als Rauschen, das nicht ganz weiß ist",
-      100 * above));
-  return without;
+  if (options.floor_believable && IsFloorToBlame(out, options)) {
+    Explanation without = ExplainWithoutFloor(model, strokes, window, options);
+    if (without.verdict != Verdict::kUnknown) {
+      TellOfFloor(without);
+      return without;
+    }
+  }
+  if (auto changed = ExplainChange(under(out.model), out, scaled, under)) return std::move(*changed);
+  return out;
 }
 
 /// What moves with time may as well follow the oil temperature, where the two rise together so evenly that a

@@ -154,14 +154,23 @@ std::vector<std::size_t> FindStrokesPastChange(const StrokeSet& strokes, std::sp
     return Strokes(all.begin() + static_cast<std::ptrdiff_t>(from),
                    all.begin() + static_cast<std::ptrdiff_t>(to));
   };
-  const auto described = [&](std::size_t from, std::size_t to) {
-    return to - from >= options.least && AreDescribed(strokes.Only(part(from, to)).Fit(start), explain);
+  // The side that is described, and the other one if it is not: most of its strokes at least, for some may hardly show the change.
+  const auto other_than = [&](std::size_t from, std::size_t to) {
+    if (to - from < options.least) return Strokes{};
+    const Strokes rest = part(from, to);
+    if (!AreDescribed(strokes.Only(rest).Fit(start), explain)) return Strokes{};
+    Strokes other = from == 0 ? part(to, count) : part(0, from);
+    const auto odd =
+        std::ranges::count_if(other, [&](std::size_t s) { return IsOdd(strokes, rest, s, start, options); });
+    return static_cast<double>(odd) >= options.most_changed * static_cast<double>(other.size()) ? other
+                                                                                                : Strokes{};
   };
   // The stroke in which it changed is like neither side.
-  if (described(0, before)) return part(before, count);
-  if (described(0, before - 1)) return part(before - 1, count);
-  if (described(before, count)) return part(0, before);
-  if (described(before + 1, count)) return part(0, before + 1);
+  for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>{0, before},
+                                 {0, before - 1},
+                                 {before, count},
+                                 {before + 1, count}})
+    if (Strokes odd = other_than(from, to); !odd.empty()) return odd;
   return {};
 }
 
@@ -296,13 +305,13 @@ std::string ParameterInPlaceOf(const Explanation& found, bool explains, const St
 }
 
 /// What explains most of the odd strokes against the rest. One that a change began or ended in shows it in
-/// part only, so the first and the last of them may be left out.
+/// part only, so the first and the last of them may be left out. `in_doubt`: a cause that is not proven counts too.
 struct OddExplained {
   OddStrokes strokes;
   Explanation explanation;
 };
 std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std::size_t>& odd,
-                                        const Explanation& rest, const ExplainOptions& explain,
+                                        const Explanation& rest, bool in_doubt, const ExplainOptions& explain,
                                         const StrokesUnder& under, const OddStrokeOptions& options) {
   constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   std::optional<OddExplained> doubtful;
@@ -323,7 +332,7 @@ std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std
         ParameterInPlaceOf(found, explains, strokes.Only(left), rest.final, explain, options);
     if (!parameter.empty()) return OddExplained{{left, {}, std::move(parameter)}, rest};
     if (explains) return OddExplained{{left, found.set}, std::move(found)};
-    if (!doubtful && !found.set.empty() && AreDescribed(found.final, explain))
+    if (in_doubt && !doubtful && !found.set.empty() && AreDescribed(found.final, explain))
       doubtful = OddExplained{{left, found.set, {}, found.doubt}, std::move(found)};
   }
   return doubtful;
@@ -356,14 +365,15 @@ const std::string& FamilyOf(const Effect& effect) {
 }
 
 /// The explanation of all but the strokes `odd`, and of these against it.
-std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, const ExplainOptions& explain,
-                                  const StrokesUnder& under, const OddStrokeOptions& options) {
+std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
+                                  const ExplainOptions& explain, const StrokesUnder& under,
+                                  const OddStrokeOptions& options) {
   if (odd.empty()) return std::nullopt;
   const std::vector<std::size_t> rest = RestOf(strokes, odd);
   Explanation out = ExplainPart(
       strokes, [&](const StrokeSet& all) { return all.Only(rest); }, explain, under);
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
-  if (auto most = ExplainMost(strokes, odd, out, explain, under, options)) {
+  if (auto most = ExplainMost(strokes, odd, out, in_doubt, explain, under, options)) {
     if (out.verdict == Verdict::kAdequate) out = std::move(most->explanation);
     std::erase_if(odd, [&](std::size_t s) {
       return std::binary_search(most->strokes.strokes.begin(), most->strokes.strokes.end(), s);
@@ -388,12 +398,16 @@ bool HaveACause(const std::vector<OddStrokes>& odd) {
   return without <= 2;
 }
 
-/// Which strokes are odd, by a model and the effects beside it.
-using OddBy = std::function<Strokes(const StrokeSet&, std::span<const EffectChoice>)>;
+/// A way to part strokes.
+struct Parting {
+  /// Which are odd, by a model and the effects beside it.
+  std::function<Strokes(const StrokeSet&, std::span<const EffectChoice>)> odd_by;
+  bool in_doubt;  ///< of ExplainMost
+};
 
 /// Parted by the model as it is and one of the effects that gain most in `ranked`, the best of each family.
 std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const StrokeSet& strokes,
-                                         std::span<const EffectChoice> start, const OddBy& odd_by,
+                                         std::span<const EffectChoice> start, const Parting& parting,
                                          const ExplainOptions& explain, const StrokesUnder& under,
                                          const OddStrokeOptions& options) {
   std::vector<std::string> families;
@@ -405,7 +419,8 @@ std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const Stroke
     families.push_back(family);
     std::vector<EffectChoice> by(start.begin(), start.end());
     by.push_back(r.fit.effects.back().choice);
-    if (auto parted = Parted(strokes, odd_by(strokes, by), explain, under, options)) return parted;
+    if (auto parted = Parted(strokes, parting.odd_by(strokes, by), parting.in_doubt, explain, under, options))
+      return parted;
   }
   return std::nullopt;
 }
@@ -413,7 +428,7 @@ std::optional<Explanation> PartedByOneOf(const Explanation& ranked, const Stroke
 /// Where the effects that gain most in all strokes do not part them, those do that gain most in the strokes described best: strokes
 /// that err much hide what all have.
 std::optional<Explanation> PartedByTheBest(const StrokeSet& strokes, std::span<const EffectChoice> start,
-                                           const OddBy& odd_by, const ExplainOptions& explain,
+                                           const Parting& parting, const ExplainOptions& explain,
                                            const StrokesUnder& under, const OddStrokeOptions& options) {
   const std::size_t least = LeastOf(strokes, options);
   if (least >= static_cast<std::size_t>(strokes.strokes())) return std::nullopt;
@@ -422,7 +437,7 @@ std::optional<Explanation> PartedByTheBest(const StrokeSet& strokes, std::span<c
   StrokeSet shaped = strokes;
   const Explanation of_best = ExplainPart(
       shaped, [&](const StrokeSet& all) { return all.Only(best); }, explain, under);
-  return PartedByOneOf(of_best, shaped, start, odd_by, explain, under, options);
+  return PartedByOneOf(of_best, shaped, start, parting, explain, under, options);
 }
 
 }  // namespace
@@ -431,16 +446,25 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
                                              const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options) {
   const std::span start(whole.chosen.data(), static_cast<std::size_t>(whole.started));
-  const OddBy scattered = [&](const StrokeSet& all, std::span<const EffectChoice> by) {
-    return FindOddStrokes(all, by, explain, options);
-  };
-  const OddBy changed = [&](const StrokeSet& all, std::span<const EffectChoice> by) {
-    return FindStrokesPastChange(all, by, explain, options);
-  };
-  if (auto parted = Parted(strokes, scattered(strokes, start), explain, under, options)) return parted;
-  if (auto parted = PartedByOneOf(whole, strokes, start, scattered, explain, under, options)) return parted;
-  if (auto parted = PartedByTheBest(strokes, start, scattered, explain, under, options)) return parted;
-  auto parted = Parted(strokes, changed(strokes, start), explain, under, options);
+  const Parting scattered{[&](const StrokeSet& all, std::span<const EffectChoice> by) {
+                            return FindOddStrokes(all, by, explain, options);
+                          },
+                          false};
+  auto parted = Parted(strokes, scattered.odd_by(strokes, start), false, explain, under, options);
+  if (!parted) parted = PartedByOneOf(whole, strokes, start, scattered, explain, under, options);
+  if (!parted) parted = PartedByTheBest(strokes, start, scattered, explain, under, options);
+  return parted;
+}
+
+std::optional<Explanation> ExplainChange(const StrokeSet& strokes, const Explanation& whole,
+                                         const ExplainOptions& explain, const StrokesUnder& under,
+                                         const OddStrokeOptions& options) {
+  const std::span start(whole.chosen.data(), static_cast<std::size_t>(whole.started));
+  const Parting changed{[&](const StrokeSet& all, std::span<const EffectChoice> by) {
+                          return FindStrokesPastChange(all, by, explain, options);
+                        },
+                        true};
+  auto parted = Parted(strokes, changed.odd_by(strokes, start), true, explain, under, options);
   if (!parted) parted = PartedByOneOf(whole, strokes, start, changed, explain, under, options);
   if (parted && !HaveACause(parted->odd_strokes)) return std::nullopt;
   return parted;

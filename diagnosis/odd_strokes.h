@@ -25,6 +25,7 @@ struct OddStrokeOptions {
   /// Share of the strokes that may be odd without a cause while nothing is missed in the rest, unless they fill this share
   /// of their stretch of the log: strokes scattered over a log rather are those in which an error of all shows most.
   double most_scattered = 0.1, together = 0.75;
+  double most_changed = 0.75;  ///< share of the strokes past a change that must be odd
   /// What an effect must explain of the odd strokes beyond what another value of one parameter of the model does, which is the
   /// plainer of the two: noise variances, and a share of what the effect explains.
   double beyond_parameter = 10.0, beyond_share = 0.02;
@@ -53,5 +54,12 @@ std::vector<std::size_t> FindStrokesPastChange(const StrokeSet& strokes, std::sp
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
                                              const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options = {});
+
+/// The same where the log is of one kind up to some stroke and of another from there on, however many strokes that are
+/// (FindStrokesPastChange): the explanation of the side that is described, and of the other one against it. The cause may be
+/// not proven; nullopt if there is none.
+std::optional<Explanation> ExplainChange(const StrokeSet& strokes, const Explanation& whole,
+                                         const ExplainOptions& explain, const StrokesUnder& under,
+                                         const OddStrokeOptions& options = {});
 
 }  // namespace hydroscope

@@ -10,7 +10,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kLongest = 16;  ///< rows between new readings: a signal that stands still for longer rests
+constexpr std::size_t kLongest =
+    16;  ///< rows between new readings: a signal that stands still for longer rests
 
 bool IsCommand(const Machine& machine, const MachineKind& kind, std::size_t signal) {
   return std::ranges::any_of(kind.standstill, [&](const StandstillRule& rule) {
@@ -147,13 +148,14 @@ std::optional<HeldSignals> FindHeldSignals(const SampleBlock& head, const Machin
         IsCoarse(head.signal[s], rhythm))
       continue;
     held.signals.push_back(s);
-    const Told name = Tell("{} every {:.3g} rows", "{} alle {:.3g} Zeilen", machine.signals[s].name, rhythm.rows);
+    const Told name =
+        Tell("{} every {:.3g} rows", "{} alle {:.3g} Zeilen", machine.signals[s].name, rhythm.rows);
     names = names.empty() ? name : Tell("{}, {}", "{}, {}", names, name);
   }
   if (held.signals.empty()) return std::nullopt;
-  held.why = Tell("signals that are new every few rows only ({}) are drawn straight between new readings",
-                  "Signale, die nur alle paar Zeilen neu sind ({}), werden zwischen neuen Werten gerade gezogen",
-                  names);
+  held.why = Tell(
+      "signals that are new every few rows only ({}) are drawn straight between new readings",
+      "Signale, die nur alle paar Zeilen neu sind ({}), werden zwischen neuen Werten gerade gezogen", names);
   return held;
 }
 
