@@ -383,9 +383,15 @@ std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
   if (odd.empty()) return out;
   if (MissesAnEnd(out, odd, strokes.strokes())) return std::nullopt;
   // Under coloured noise strokes stand out for no more than a slow swing of it.
-  if (out.verdict == Verdict::kAdequate && explain.floor_believable &&
-      !MayDifferWithoutCause(odd, strokes.strokes(), options))
-    return std::nullopt;
+  if (explain.floor_believable && !MayDifferWithoutCause(odd, strokes.strokes(), options)) {
+    if (out.verdict == Verdict::kAdequate) return std::nullopt;
+    out.partial = true;
+    if (out.doubt.empty())
+      out.doubt =
+          Tell("{} of {} strokes, scattered over the log, had to be left out, and nothing says why",
+               "{} von {} Hüben, über das Log verstreut, mussten ausgelassen werden, und nichts sagt, warum",
+               odd.size(), strokes.strokes());
+  }
   out.odd_strokes.push_back({std::move(odd), {}});
   return out;
 }

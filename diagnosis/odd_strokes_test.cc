@@ -85,6 +85,23 @@ TEST(OddStrokes, ManyThatAreScatteredAndWithoutACauseAreNoAllClear) {
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
 }
 
+TEST(OddStrokes, ManyThatAreScatteredAndWithoutACauseLeaveNoNameProven) {
+  PressOptions options;
+  options.seconds = 90;
+  options.seed = 3;
+  options.effects = {{"tank_back_pressure", 3e11, {}}};
+  options.imperfections = {{"intermittent_leakage", 8e-12, {{"share", 0.3}}, {}}};
+  const SimulatedStrokes log = StrokesOfPress(options);
+  ExplainOptions only;
+  for (const auto* effects : {&log.model->effects, &log.model->sample_effects})
+    for (const auto& effect : *effects)
+      if (effect->id != "tank_back_pressure") only.exclude.push_back(effect->id);
+  const Explanation x = ExplainSamples(log.model, log.strokes, log.window, only);
+  EXPECT_THAT(x.set, ElementsAre("tank_back_pressure"));
+  ASSERT_THAT(x.odd_strokes, Not(IsEmpty()));
+  EXPECT_TRUE(x.partial);
+}
+
 /// More than four tenths of the strokes: none of them look odd, but from one on they are.
 TEST(OddStrokes, AfterAChangeMayBeMost) {
   const Explanation leaks =
