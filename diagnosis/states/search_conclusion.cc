@@ -17,14 +17,19 @@ class SearchConclusion {
 
   void Conclude() {
     LookAgainAtUnseen();
+    Judge();
     out_.steps = StaircaseTo(out_.final, levels_);
+  }
+
+ private:
+  void Judge() {
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
       out_.astray = true;
       TellDrift();
       out_.LeaveUnknown(out_.final.added);
       return;
     }
-    const bool complete = out_.final.added.empty() || Complete() || CompleteWithFewer();
+    const bool complete = out_.final.added.empty() || Complete() || TakeFewer(1);
     if (complete) DropStandIns();
     TellDynamics();
     TellDrift();
@@ -62,7 +67,6 @@ class SearchConclusion {
     for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
   }
 
- private:
   /// Energy that the effects of the set found that `other` has not remove beyond those that both have.
   double RemovedBeyondShared(const StateCandidate& other) {
     double shared = out_.base.held_out;
@@ -106,29 +110,33 @@ class SearchConclusion {
            std::max(without.held_out - out_.final.held_out, 1e-300);
   }
 
+  /// The best complete set of fewer effects, but at least so many, in place of the set found: several effects imitate more than one
+  /// does. If there is none all stays as it is.
+  bool TakeFewer(std::size_t least) {
+    for (std::size_t size = levels_.size() - 1; size-- > least;) {
+      const StateCandidate& fewer = levels_[size].front();
+      StateRemainder left = found_.Left(fewer.fit);
+      const double unexplained = out_.Unexplained(fewer, left);
+      if (unexplained > compare_.LeftShare(fewer)) continue;
+      out_.final = fewer;
+      out_.final_left = std::move(left);
+      out_.unexplained = unexplained;
+      levels_.resize(size + 1);
+      found_.without.clear();
+      return true;
+    }
+    return false;
+  }
+
   /// Of several effects those may stand in for a law that nobody has named beside which functions predict much of what they take
-  /// away. Where fewer effects are complete as well, these are what is found.
+  /// away. Where the best set of an effect fewer is complete as well, it is what is found.
   void DropStandIns() {
+    const auto stands_in = [this](const std::string& id) { return LeftOf(id) > options_.left_share; };
     while (levels_.size() > 2) {
-      const auto& added = out_.final.added;
-      const auto weak = std::find_if(added.begin(), added.end(), [this](const std::string& id) {
-        return LeftOf(id) > options_.left_share;
-      });
-      if (weak == added.end()) return;
       const StateCandidate all = out_.final;
       const StateRemainder left_by_all = out_.final_left;
-      std::vector<StateCandidate> level = std::move(levels_.back());
-      levels_.pop_back();
-      out_.final = levels_.back().front();
-      out_.final_left = found_.Left(out_.final.fit);
-      if (!Complete()) {
-        levels_.push_back(std::move(level));
-        out_.final = all;
-        out_.final_left = left_by_all;
-        Complete();
+      if (std::none_of(all.added.begin(), all.added.end(), stands_in) || !TakeFewer(levels_.size() - 2))
         return;
-      }
-      found_.without.clear();
       for (const std::string& id : all.added) {
         if (std::find(out_.final.added.begin(), out_.final.added.end(), id) != out_.final.added.end())
           continue;
@@ -203,22 +211,6 @@ class SearchConclusion {
       const auto contender = found_.fits->Screened(added, out_.final);
       return contender && contender->seen == EffectSeen::kYes;
     });
-  }
-
-  /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if
-  /// not, all of them stay.
-  bool CompleteWithFewer() {
-    StateCandidate all = out_.final;
-    StateRemainder left_by_all = out_.final_left;
-    while (levels_.size() > 2) {
-      levels_.pop_back();
-      out_.final = levels_.back().front();
-      out_.final_left = found_.Left(out_.final.fit);
-      if (Complete()) return true;
-    }
-    out_.final = std::move(all);
-    out_.final_left = std::move(left_by_all);
-    return Complete();
   }
 
   FoundSets& found_;
