@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "alarms/feeds/modbus/register_map.h"
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "core/registers.h"
 #include "core/told_error.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
 

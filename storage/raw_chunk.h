@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/result.h"
 #include "storage/raw_codec.h"
 

@@ -1,6 +1,6 @@
 #include <bit>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "storage/connection.h"
 #include "storage/content_hash.h"
 #include "storage/database.h"

@@ -2,7 +2,7 @@
 #include <bit>
 #include <limits>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "storage/connection.h"
 #include "storage/database.h"
 #include "storage/stroke_row.h"

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "host/output.h"
 #include "storage/alarm_journal.h"
 #include "storage/outbox.h"

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/told_error.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
