@@ -6,7 +6,7 @@
 
 #include "core/records/quality.h"
 #include "core/result.h"
-#include "storage/raw_codec.h"
+#include "storage/blobs/raw_codec.h"
 
 namespace hydroscope {
 
