@@ -50,7 +50,7 @@ Result<std::optional<SetAsideJournal>> TakeOverOrCount(Database& database, Alarm
     }
   }
   auto counted = TRY(Counted(journal));
-  return std::move(counted);
+  return counted;
 }
 
 /// A journal of `identity` that tells what was set aside.
