@@ -11,7 +11,7 @@
 #include "acquisition/channel_owners.h"
 #include "acquisition/clock_model.h"
 #include "acquisition/source.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "models/machine.h"
 
 namespace hydroscope {

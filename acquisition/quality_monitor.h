@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "acquisition/standstill.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "models/expressions/guard.h"
 #include "models/machine.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 
 namespace hydroscope {
 

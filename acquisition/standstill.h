@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "models/machine.h"
 #include "models/standstill_rule.h"
 

@@ -16,11 +16,6 @@ constexpr std::int64_t kBentToTell = 100;
 constexpr double kOpposedBends = 0.3;
 constexpr double kRareRun = 1e-8;
 constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 6;
-constexpr double kBinsPerOctave = 2, kLeastExponent = -64;
-
-double SizeOfBin(std::size_t bin) {
-  return std::exp2((static_cast<double>(bin) + 0.5) / kBinsPerOctave + kLeastExponent);
-}
 
 /// Puts the rows of `back` behind those of `front`.
 void Append(const SampleBlock& back, SampleBlock& front) {
@@ -79,8 +74,7 @@ void StraightRuns::Learn(const std::vector<double>& coming, Channel& channel) {
     const double size = std::abs(bend);
     ++channel.readings;
     if (size > channel.straight) {
-      const double bin = kBinsPerOctave * (std::log2(size) - kLeastExponent);
-      ++channel.bends[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(kBins - 1)))];
+      ++channel.bends[kBins.Of(size)];
       ++channel.bent;
       channel.turned += bend * before < 0;
       channel.alone += run == 1;
@@ -105,7 +99,7 @@ void StraightRuns::Judge(Channel& channel) {
   std::size_t bin = 0;
   while (static_cast<double>(below) < kLeastBent * static_cast<double>(channel.bent))
     below += channel.bends[bin++];
-  const double std = SizeOfBin(bin - 1) / kLeastOfNormal;
+  const double std = kBins.SizeAt(static_cast<double>(bin) - 0.5) / kLeastOfNormal;
   const double seen = static_cast<double>(channel.alone) / static_cast<double>(channel.readings);
   const double chance = std::max(seen, 2 * channel.straight * kDensityAtZero / std);
   if (!(chance < 1)) return;

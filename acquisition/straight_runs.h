@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/log_bins.h"
+#include "core/records/sample_block.h"
 
 namespace hydroscope {
 
@@ -24,7 +25,7 @@ class StraightRuns {
   void Flush(SampleBlock& block);
 
  private:
-  static constexpr std::size_t kBins = 256;  ///< of the binary logarithm of a bend
+  static constexpr LogBins kBins{.per_octave = 2, .least_exponent = -64, .count = 256};  ///< of bends
   struct Channel {
     double last = 0;        ///< SI, of the rows given out
     std::size_t drawn = 0;  ///< readings of the run that the last ones given out belong to, if they are drawn
@@ -34,7 +35,7 @@ class StraightRuns {
     std::int64_t alone = 0;     ///< without a bend between two that have one: how often chance makes one
     std::int64_t bent = 0;      ///< with a bend ...
     std::int64_t turned = 0;    ///< ... against that of the reading before
-    std::array<std::int64_t, kBins> bends{};  ///< their number by size
+    std::array<std::int64_t, kBins.count> bends{};  ///< their number by size
     std::size_t fewest = 0;  ///< readings of a run that counts; 0: the channel cannot be judged
   };
   static void Learn(const std::vector<double>& coming, Channel& channel);

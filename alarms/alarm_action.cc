@@ -9,7 +9,7 @@ namespace hydroscope {
 Result<bool> ActOnAlarm(AlarmJournal& journal, const std::string& machine, const std::string& alarm,
                         double wall, const AlarmAction& action) {
   bool changed = false;
-  const Status stored = journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
+  TRY(journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
     const auto known =
         std::ranges::find_if(axis.alarms, [&](const AlarmState& state) { return state.id == alarm; });
     if (known == axis.alarms.end())
@@ -18,8 +18,7 @@ Result<bool> ActOnAlarm(AlarmJournal& journal, const std::string& machine, const
     changed = !events.empty();
     axis.Append(std::move(events));
     return {};
-  });
-  if (!stored) return tl::unexpected(stored.error());
+  }));
   return changed;
 }
 

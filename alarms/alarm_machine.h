@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 
 namespace hydroscope {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 
 namespace hydroscope {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
 #include "core/counted_words.h"
+#include "core/records/alarm_records.h"
 
 namespace hydroscope {
 

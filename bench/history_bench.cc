@@ -34,10 +34,9 @@ Status FillMachine(Database& database, std::size_t axis, std::int64_t strokes, P
   if (axis == kLeaky) press.effects = {{"internal_leakage", 4e-12, {}}};
   Machine machine = MachineFor(press);
   machine.name = fmt::format("cushion {}", axis + 1);
-  auto log = StrokesOf(SimulatePress(press), machine);
-  if (!log) return tl::unexpected(log.error());
+  auto log = TRY(StrokesOf(SimulatePress(press), machine));
   return StoreOverAndOver(
-      database, machine.name, FormatMachine(machine), *log, strokes, [&](std::int64_t stored) {
+      database, machine.name, FormatMachine(machine), log, strokes, [&](std::int64_t stored) {
         progress.Update(
             (static_cast<double>(axis) + static_cast<double>(stored) / static_cast<double>(strokes)) / 4,
             stored);
@@ -53,29 +52,22 @@ struct Explained {
 Result<Explained> ExplainMachines(const std::string& path, const std::vector<std::string>& names) {
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu = std::clock();
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto parts = ChosenMachines(*database, path, names);
-  if (!parts) return tl::unexpected(parts.error());
-  const auto machine = StoredMachine(*database, path, parts->front());
-  if (!machine) return tl::unexpected(machine.error());
-  const auto history = LoadHistory(*database, path, *parts, *machine);
-  if (!history) return tl::unexpected(history.error());
-  const auto result = ExplainHistory(*history);
-  if (!result) return tl::unexpected(result.error());
-  return Explained{std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
-                   static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC, history->strokes(),
-                   fmt::format("{} {}", VerdictName(result->explanation.verdict),
-                               fmt::join(result->explanation.set, ", "))};
+  auto database = TRY(Database::OpenReadOnly(path));
+  const auto parts = TRY(ChosenMachines(database, path, names));
+  const auto machine = TRY(StoredMachine(database, path, parts.front()));
+  const auto history = TRY(LoadHistory(database, path, parts, machine));
+  const auto result = TRY(ExplainHistory(history));
+  return Explained{
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+      static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC, history.strokes(),
+      fmt::format("{} {}", VerdictName(result.explanation.verdict), fmt::join(result.explanation.set, ", "))};
 }
 
 Status Run(const std::string& path, std::int64_t strokes, std::size_t axes) {
   if (!std::filesystem::exists(path)) {
-    auto database = Database::Open(path);
-    if (!database) return tl::unexpected(database.error());
+    auto database = TRY(Database::Open(path));
     ProgressBar progress("filling", "strokes");
-    for (std::size_t a = 0; a < axes; ++a)
-      if (const Status filled = FillMachine(*database, a, strokes, progress); !filled) return filled;
+    for (std::size_t a = 0; a < axes; ++a) TRY(FillMachine(database, a, strokes, progress));
   }
   fmt::print("{} of {:.1f} GB\n", path, static_cast<double>(std::filesystem::file_size(path)) * 1e-9);
   const auto print = [](const std::string& what, const Explained& e) {
@@ -84,13 +76,11 @@ Status Run(const std::string& path, std::int64_t strokes, std::size_t axes) {
   };
   for (std::size_t a = 0; a < axes; ++a) {
     const std::string name = fmt::format("cushion {}", a + 1);
-    const auto one = ExplainMachines(path, {name});
-    if (!one) return tl::unexpected(one.error());
-    print(name, *one);
+    const auto one = TRY(ExplainMachines(path, {name}));
+    print(name, one);
   }
-  const auto fleet = ExplainMachines(path, {});
-  if (!fleet) return tl::unexpected(fleet.error());
-  print("fleet", *fleet);
+  const auto fleet = TRY(ExplainMachines(path, {}));
+  print("fleet", fleet);
   return {};
 }
 

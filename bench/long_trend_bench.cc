@@ -40,56 +40,49 @@ StrokeRecord StrokeOf(std::int64_t index) {
 }
 
 Status Fill(const std::string& path, std::int64_t strokes) {
-  auto database = Database::Open(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto machine = database->MachineId("press");
-  if (!machine) return tl::unexpected(machine.error());
-  const auto version = database->PutModelVersion(*machine, {0, "", {}});
-  if (!version) return tl::unexpected(version.error());
-  const auto run = database->BeginRun(*machine, *version, "long trend", "long trend");
-  if (!run) return tl::unexpected(run.error());
+  auto database = TRY(Database::Open(path));
+  const auto machine = TRY(database.MachineId("press"));
+  const auto version = TRY(database.PutModelVersion(machine, {0, "", {}}));
+  const auto run = TRY(database.BeginRun(machine, version, "long trend", "long trend"));
   const double start = Now();
-  for (std::int64_t first = run->strokes; first < strokes; first += kBatch) {
+  for (std::int64_t first = run.strokes; first < strokes; first += kBatch) {
     std::vector<StrokeRecord> batch;
     for (std::int64_t k = first; k < std::min(first + kBatch, strokes); ++k) batch.push_back(StrokeOf(k));
-    if (const Status stored = database->StoreStrokes(run->id, batch); !stored) return stored;
+    TRY(database.StoreStrokes(run.id, batch));
   }
-  if (run->strokes < strokes)
-    fmt::print("stored {} strokes in {:.0f} s\n", strokes - run->strokes, Now() - start);
+  if (run.strokes < strokes)
+    fmt::print("stored {} strokes in {:.0f} s\n", strokes - run.strokes, Now() - start);
   return {};
 }
 
 Status Measure(const std::string& path, std::int64_t strokes) {
-  const auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
+  const auto database = TRY(Database::OpenReadOnly(path));
   std::promise<void> ready;
   TrendCache cache(path, [&] { ready.set_value(); });
   const auto picture = [&](std::int64_t first, std::int64_t end) {
-    return cache.Picture(*database, 1, "K", first, end, kPixels);
+    return cache.Picture(database, 1, "K", first, end, kPixels);
   };
   double start = Now();
-  const auto glance = picture(0, strokes);
-  if (!glance) return tl::unexpected(glance.error());
-  fmt::print("first picture of {} strokes, {} bins: {:.1f} ms, {}\n", strokes, glance->bins.size(),
-             1e3 * (Now() - start), glance->exact ? "exact" : "a glance");
-  if (!glance->exact) {
+  const auto glance = TRY(picture(0, strokes));
+  fmt::print("first picture of {} strokes, {} bins: {:.1f} ms, {}\n", strokes, glance.bins.size(),
+             1e3 * (Now() - start), glance.exact ? "exact" : "a glance");
+  if (!glance.exact) {
     ready.get_future().wait();
     fmt::print("lowest and highest values collected after {:.1f} s\n", Now() - start);
   }
   start = Now();
-  const auto exact = picture(0, strokes);
-  if (!exact) return tl::unexpected(exact.error());
+  const auto exact = TRY(picture(0, strokes));
   std::int64_t values = 0;
-  for (const TrendBin& bin : exact->bins) values += bin.values;
+  for (const TrendBin& bin : exact.bins) values += bin.values;
   fmt::print("all of it again: {:.1f} ms, {} values in {} bins\n", 1e3 * (Now() - start), values,
-             exact->bins.size());
+             exact.bins.size());
   for (const std::int64_t span : {strokes / 2, strokes / 20, std::int64_t{20'000}, std::int64_t{1000}}) {
     if (span < 2 || span > strokes) continue;
     std::vector<double> times;
     for (int pan = 0; pan < kPans; ++pan) {
       const std::int64_t first = (strokes - span) * pan / kPans;
       start = Now();
-      if (const auto piece = picture(first, first + span); !piece) return tl::unexpected(piece.error());
+      TRY(picture(first, first + span));
       times.push_back(1e3 * (Now() - start));
     }
     std::sort(times.begin(), times.end());

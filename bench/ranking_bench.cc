@@ -24,53 +24,47 @@ constexpr std::size_t kRowsPerBlock = 1024;
 
 /// All equations of the log in the integral form, a column each.
 Result<std::int64_t> WriteEquations(const std::string& log, const Machine& machine, const std::string& path) {
-  auto reader = OpenLog(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
-  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), [](StrokeRecord&&) {});
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  QualityMonitor monitor(machine, (*reader)->SamplePeriod());
+  auto reader = TRY(OpenLog(log, machine));
+  auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(), [](StrokeRecord&&) {}));
+  QualityMonitor monitor(machine, reader->SamplePeriod());
   std::ofstream file(path, std::ios::binary);
   std::int64_t equations = 0;
-  (*pipeline)->set_tap([&](const Stretch&, const SpanEquations& span) {
+  pipeline->set_tap([&](const Stretch&, const SpanEquations& span) {
     file.write(reinterpret_cast<const char*>(span.integral.data()),
                static_cast<std::streamsize>(sizeof(double)) * span.integral.rows() * span.equations);
     equations += span.equations;
   });
   SampleBlock block;
   for (;;) {
-    const auto rows = (*reader)->Read(block, kRowsPerBlock);
-    if (!rows) return tl::unexpected(rows.error());
-    if (*rows == 0) break;
+    const auto rows = TRY(reader->Read(block, kRowsPerBlock));
+    if (rows == 0) break;
     monitor.Inspect(block);
-    (*pipeline)->Process(block);
+    pipeline->Process(block);
   }
   monitor.Flush(block);
-  (*pipeline)->Process(block);
-  (*pipeline)->Finish();
+  pipeline->Process(block);
+  pipeline->Finish();
   if (!file.flush()) return BadInput("{}: cannot be written", path);
   return equations;
 }
 
 Status Run(const std::string& log, const std::string& machine_file, const std::string& matrix, int repeats) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto equations = WriteEquations(log, *machine, matrix);
-  if (!equations) return tl::unexpected(equations.error());
-  const auto strokes = ReadStrokes(log, *machine);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const std::vector<StrokeGram> grams = strokes->Grams();
+  const auto machine = TRY(LoadMachine(machine_file));
+  const auto equations = TRY(WriteEquations(log, machine, matrix));
+  const auto strokes = TRY(ReadStrokes(log, machine));
+  const std::vector<StrokeGram> grams = strokes.Grams();
   const ExplainOptions options;
   double best = 1e9;
   std::vector<RankedEffect> ranking;
   for (int k = 0; k < repeats; ++k) {
     const std::clock_t begin = std::clock();
-    const StrokeSet set(strokes->model, grams, strokes->window);
+    const StrokeSet set(strokes.model, grams, strokes.window);
     const CandidateModel base{{}, set.Fit({})};
     ranking = EffectRanking(set, options, base.fit.noise_variance).Rank(base);
     best = std::min(best, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }
-  fmt::print("ranking {:.6f} {} {} {}\n", best, *equations, strokes->model->column_count(),
-             strokes->model->base_count);
+  fmt::print("ranking {:.6f} {} {} {}\n", best, equations, strokes.model->column_count(),
+             strokes.model->base_count);
   for (std::size_t k = 0; k < std::min<std::size_t>(3, ranking.size()); ++k)
     fmt::print("effect {} {:.0f}\n", ranking[k].id, ranking[k].gain);
   return {};

@@ -35,24 +35,21 @@ double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 Result<std::int64_t> ReadAll(LogReader& reader, const RowSink& take) {
   SampleBlock block;
   for (;;) {
-    const auto rows = reader.Read(block, kRowsPerBlock);
-    if (!rows) return tl::unexpected(rows.error());
-    if (*rows == 0) return reader.counters().rows;
-    if (const Status status = take(block); !status) return tl::unexpected(status.error());
+    const auto rows = TRY(reader.Read(block, kRowsPerBlock));
+    if (rows == 0) return reader.counters().rows;
+    TRY(take(block));
   }
 }
 
 Result<std::int64_t> Read(const std::string& log, const Machine& machine) {
-  auto reader = OpenLog(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
-  return ReadAll(**reader, [](SampleBlock&) { return Status{}; });
+  auto reader = TRY(OpenLog(log, machine));
+  return ReadAll(*reader, [](SampleBlock&) { return Status{}; });
 }
 
 Result<std::int64_t> ReadAndInspect(const std::string& log, const Machine& machine) {
-  auto reader = OpenLog(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
-  QualityMonitor monitor(machine, (*reader)->SamplePeriod());
-  return ReadAll(**reader, [&](SampleBlock& block) {
+  auto reader = TRY(OpenLog(log, machine));
+  QualityMonitor monitor(machine, reader->SamplePeriod());
+  return ReadAll(*reader, [&](SampleBlock& block) {
     monitor.Inspect(block);
     return Status{};
   });
@@ -61,25 +58,23 @@ Result<std::int64_t> ReadAndInspect(const std::string& log, const Machine& machi
 /// The whole replay but the report; strokes go to `store` in batches.
 Result<std::int64_t> Replay(const std::string& log, const Machine& machine,
                             const std::function<Status(Pipeline&, std::vector<StrokeRecord>&)>& store) {
-  auto reader = OpenLog(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(OpenLog(log, machine));
   std::vector<StrokeRecord> waiting;
-  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(),
-                                   [&](StrokeRecord&& record) { waiting.push_back(std::move(record)); });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  QualityMonitor monitor(machine, (*reader)->SamplePeriod());
-  const auto rows = ReadAll(**reader, [&](SampleBlock& block) -> Status {
+  auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(),
+                                       [&](StrokeRecord&& record) { waiting.push_back(std::move(record)); }));
+  QualityMonitor monitor(machine, reader->SamplePeriod());
+  const auto rows = ReadAll(*reader, [&](SampleBlock& block) -> Status {
     monitor.Inspect(block);
-    (*pipeline)->Process(block);
+    pipeline->Process(block);
     if (waiting.size() < kStrokesPerBatch) return {};
-    return store(**pipeline, waiting);
+    return store(*pipeline, waiting);
   });
   if (!rows) return rows;
   SampleBlock rest;
   monitor.Flush(rest);
-  (*pipeline)->Process(rest);
-  (*pipeline)->Finish();
-  if (const Status status = store(**pipeline, waiting); !status) return tl::unexpected(status.error());
+  pipeline->Process(rest);
+  pipeline->Finish();
+  TRY(store(*pipeline, waiting));
   return rows;
 }
 
@@ -91,22 +86,18 @@ Result<std::int64_t> Identify(const std::string& log, const Machine& machine) {
 }
 
 Result<std::int64_t> IdentifyAndStore(const std::string& log, const Machine& machine) {
-  auto database = Database::Open(DatabaseFor(log));
-  if (!database) return tl::unexpected(database.error());
+  auto database = TRY(Database::Open(DatabaseFor(log)));
   std::int64_t run = -1;
   const auto store = [&](Pipeline& pipeline, std::vector<StrokeRecord>& strokes) -> Status {
     if (run < 0) {
-      const auto id = database->MachineId(machine.name);
-      if (!id) return tl::unexpected(id.error());
-      const auto version = database->PutModelVersion(
-          *id,
-          {1, FormatMachine(machine), pipeline.model().ColumnNames(), 0, pipeline.model().ConditionNames()});
-      if (!version) return tl::unexpected(version.error());
-      const auto info = database->BeginRun(*id, *version, log, "bench");
-      if (!info) return tl::unexpected(info.error());
-      run = info->id;
+      const auto id = TRY(database.MachineId(machine.name));
+      const auto version =
+          TRY(database.PutModelVersion(id, {1, FormatMachine(machine), pipeline.model().ColumnNames(), 0,
+                                            pipeline.model().ConditionNames()}));
+      const auto info = TRY(database.BeginRun(id, version, log, "bench"));
+      run = info.id;
     }
-    const Status stored = database->StoreStrokes(run, strokes);
+    const Status stored = database.StoreStrokes(run, strokes);
     strokes.clear();
     return stored;
   };

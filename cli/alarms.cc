@@ -60,17 +60,15 @@ struct Listed {
 
 /// Every alarm that the journal knows, at rest or not.
 Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
-  const auto machines = journal.Machines();
-  if (!machines) return tl::unexpected(machines.error());
+  const auto machines = TRY(journal.Machines());
   // A journal that nothing ever came into knows no machine, and none of them has an alarm.
-  if (!a.machine.empty() && !machines->empty() && std::ranges::find(*machines, a.machine) == machines->end())
-    return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(*machines, ", "));
+  if (!a.machine.empty() && !machines.empty() && std::ranges::find(machines, a.machine) == machines.end())
+    return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(machines, ", "));
   std::vector<Listed> alarms;
-  for (const std::string& machine : *machines) {
+  for (const std::string& machine : machines) {
     if (!a.machine.empty() && machine != a.machine) continue;
-    const auto axis = journal.Axis(machine);
-    if (!axis) return tl::unexpected(axis.error());
-    for (const AlarmState& alarm : axis->alarms) alarms.push_back({machine, alarm});
+    const auto axis = TRY(journal.Axis(machine));
+    for (const AlarmState& alarm : axis.alarms) alarms.push_back({machine, alarm});
   }
   return alarms;
 }
@@ -93,44 +91,39 @@ Result<AlarmJournal> OpenJournal(const AlarmsArguments& a, bool to_change = fals
 Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto database = Database::OpenReadOnly(a.db);
   if (!database) return std::vector<std::string>{};  // moved away, and the journal speaks for itself
-  const auto machines = database->MachineNames();
-  if (!machines) return tl::unexpected(machines.error());
+  const auto machines = TRY(database->MachineNames());
   std::vector<std::string> learning;
-  for (const std::string& machine : *machines) {
+  for (const std::string& machine : machines) {
     if (!a.machine.empty() && machine != a.machine) continue;
-    const auto axis = journal.Axis(machine);
-    if (!axis) return tl::unexpected(axis.error());
-    if (!axis->monitor.judges()) learning.push_back(machine);
+    const auto axis = TRY(journal.Axis(machine));
+    if (!axis.monitor.judges()) learning.push_back(machine);
   }
   return learning;
 }
 
 Status List(const AlarmsArguments& a) {
-  const auto journal = OpenJournal(a);
-  if (!journal) return tl::unexpected(journal.error());
-  const auto alarms = ListedAlarms(*journal, a);
-  if (!alarms) return tl::unexpected(alarms.error());
-  const auto not_judged = NotJudged(*journal, a);
-  if (!not_judged) return tl::unexpected(not_judged.error());
+  const auto journal = TRY(OpenJournal(a));
+  const auto alarms = TRY(ListedAlarms(journal, a));
+  const auto not_judged = TRY(NotJudged(journal, a));
   const std::string not_stored = WhyNothingIsStored(a.db);
-  Json document = {{"alarms", Json::array()}, {"not_judged", *not_judged}, {"not_stored", not_stored}};
+  Json document = {{"alarms", Json::array()}, {"not_judged", not_judged}, {"not_stored", not_stored}};
   std::string text = !not_stored.empty()
                          ? fmt::format("THIS IS OLD: the service stores nothing now, alarms neither: {}\n",
                                        Printable(not_stored))
-                     : alarms->empty() ? "no alarm stands\n"
-                                       : "";
-  if (!not_judged->empty())
+                     : alarms.empty() ? "no alarm stands\n"
+                                      : "";
+  if (!not_judged.empty())
     text += fmt::format("not judged yet, the healthy machine is being learned: {}\n",
-                        Printable(fmt::format("{}", fmt::join(*not_judged, ", "))));
-  for (std::size_t i = 0; i < alarms->size(); ++i) {
-    const auto& [machine, alarm] = (*alarms)[i];
+                        Printable(fmt::format("{}", fmt::join(not_judged, ", "))));
+  for (std::size_t i = 0; i < alarms.size(); ++i) {
+    const auto& [machine, alarm] = alarms[i];
     document["alarms"].push_back(AlarmJson(machine, alarm));
     document["alarms"].back()["number"] = i + 1;
     text += fmt::format("{:>3}  {:<5} {:<11} {} / {}{}\n     {}\n", i + 1, StateName(alarm),
                         SeverityName(alarm.severity), Printable(machine), Printable(alarm.id), Since(alarm),
                         Printable(alarm.text));
   }
-  if (!alarms->empty())
+  if (!alarms.empty())
     text += "acknowledge with `hydroscope alarms --db " + a.db + " ack NUMBER`, or by name MACHINE/ALARM\n";
   return Answer(text, document, a.json);
 }
@@ -143,14 +136,13 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
   const bool number =
       !a.alarm.empty() && std::ranges::all_of(a.alarm, [](char c) { return c >= '0' && c <= '9'; });
   const auto alarms =
-      number || which == Which::kStanding ? ListedAlarms(journal, a) : KnownAlarms(journal, a);
-  if (!alarms) return tl::unexpected(alarms.error());
+      TRY(number || which == Which::kStanding ? ListedAlarms(journal, a) : KnownAlarms(journal, a));
   std::vector<Listed> found;
-  for (std::size_t i = 0; i < alarms->size(); ++i) {
-    const auto& [machine, alarm] = (*alarms)[i];
+  for (std::size_t i = 0; i < alarms.size(); ++i) {
+    const auto& [machine, alarm] = alarms[i];
     if (number ? a.alarm == std::to_string(i + 1)
                : a.alarm == alarm.id || a.alarm == machine + "/" + alarm.id)
-      found.push_back((*alarms)[i]);
+      found.push_back(alarms[i]);
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) return UsageError("several machines have {}; say MACHINE/{}", a.alarm, a.alarm);
@@ -162,15 +154,12 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
 
 Status Act(const AlarmsArguments& a, const char* done, const AlarmAction& act,
            Which which = Which::kStanding) {
-  auto journal = OpenJournal(a, true);
-  if (!journal) return tl::unexpected(journal.error());
-  const auto found = Find(*journal, a, which);
-  if (!found) return tl::unexpected(found.error());
-  const auto changed = ActOnAlarm(*journal, found->machine, found->alarm.id, WallSeconds(), act);
-  if (!changed) return tl::unexpected(changed.error());
-  return Answer(fmt::format("{} / {}{}\n", Printable(found->machine), Printable(found->alarm.id),
-                            *changed ? std::string(" ") + done : ": nothing to do"),
-                {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", *changed}}, a.json);
+  auto journal = TRY(OpenJournal(a, true));
+  const auto found = TRY(Find(journal, a, which));
+  const auto changed = TRY(ActOnAlarm(journal, found.machine, found.alarm.id, WallSeconds(), act));
+  return Answer(fmt::format("{} / {}{}\n", Printable(found.machine), Printable(found.alarm.id),
+                            changed ? std::string(" ") + done : ": nothing to do"),
+                {{"machine", found.machine}, {"alarm", found.alarm.id}, {"changed", changed}}, a.json);
 }
 
 Status Acknowledge(const AlarmsArguments& a) {
@@ -180,10 +169,9 @@ Status Acknowledge(const AlarmsArguments& a) {
 }
 
 Status Shelve(const AlarmsArguments& a) {
-  const auto duration = Duration(a.duration);
-  if (!duration) return tl::unexpected(duration.error());
+  const auto duration = TRY(Duration(a.duration));
   return Act(a, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
-    return alarm_machine::Shelve(alarm, now.wall + *duration, UserOf(a), now);
+    return alarm_machine::Shelve(alarm, now.wall + duration, UserOf(a), now);
   });
 }
 
@@ -213,16 +201,14 @@ Status SetOutOfService(const AlarmsArguments& a, bool out) {
 }
 
 Status Journal(const AlarmsArguments& a) {
-  const auto journal = OpenJournal(a);
-  if (!journal) return tl::unexpected(journal.error());
-  auto rows = journal->Rows(a.machine, a.after);
-  if (!rows) return tl::unexpected(rows.error());
-  if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
-    rows->erase(rows->begin(), rows->end() - a.last);
-  std::string text = rows->empty() ? "nothing stands in the journal\n" : "";
+  const auto journal = TRY(OpenJournal(a));
+  auto rows = TRY(journal.Rows(a.machine, a.after));
+  if (a.last > 0 && static_cast<std::int64_t>(rows.size()) > a.last)
+    rows.erase(rows.begin(), rows.end() - a.last);
+  std::string text = rows.empty() ? "nothing stands in the journal\n" : "";
   Json document = {{"journal", Json::array()}};
   std::map<std::string, CountedWords> counted;
-  for (const JournalRow& row : *rows) {
+  for (const JournalRow& row : rows) {
     const AlarmEvent& e = row.event;
     if (!counted.contains(row.machine)) counted[row.machine] = CountedWordsIn(a.db, row.machine);
     document["journal"].push_back(JournalRowJson(row));
@@ -237,15 +223,12 @@ Status Journal(const AlarmsArguments& a) {
 }
 
 Status Metrics(const AlarmsArguments& a) {
-  const auto journal = OpenJournal(a);
-  if (!journal) return tl::unexpected(journal.error());
-  const auto rows = journal->Rows(a.machine);
-  if (!rows) return tl::unexpected(rows.error());
-  const auto listed = ListedAlarms(*journal, a);
-  if (!listed) return tl::unexpected(listed.error());
+  const auto journal = TRY(OpenJournal(a));
+  const auto rows = TRY(journal.Rows(a.machine));
+  const auto listed = TRY(ListedAlarms(journal, a));
   std::vector<AlarmState> states;
-  for (const Listed& l : *listed) states.push_back(l.alarm);
-  const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
+  for (const Listed& l : listed) states.push_back(l.alarm);
+  const AlarmMetrics m = MeasureAlarms(rows, states, WallSeconds());
   const auto listing = [](const std::vector<std::string>& sources) {
     return sources.empty() ? "none" : fmt::format("{}", fmt::join(sources, ", "));
   };

@@ -109,13 +109,10 @@ struct Seen {
 };
 
 Result<Seen> Look(ScadaClient& client) {
-  auto axes = client.Axes();
-  if (!axes) return tl::unexpected(axes.error());
-  auto alarms = client.Alarms();
-  if (!alarms) return tl::unexpected(alarms.error());
-  auto rows = client.NewRows();
-  if (!rows) return tl::unexpected(rows.error());
-  return Seen{std::move(*axes), std::move(*alarms), std::move(*rows)};
+  auto axes = TRY(client.Axes());
+  auto alarms = TRY(client.Alarms());
+  auto rows = TRY(client.NewRows());
+  return Seen{std::move(axes), std::move(alarms), std::move(rows)};
 }
 
 std::string AxisName(const Seen& seen, int axis) {
@@ -161,24 +158,21 @@ Status ShowScada(const std::string& endpoint, int acknowledge, const std::string
   if (colon == std::string::npos || colon == 0 ||
       std::from_chars(endpoint.data() + colon + 1, end, port).ptr != end || port < 1 || port > 65535)
     return UsageError("--modbus {}: expected HOST:PORT, e.g. 127.0.0.1:1503", endpoint);
-  auto client = ScadaClient::Connect(endpoint.substr(0, colon), port);
-  if (!client) return tl::unexpected(client.error());
+  auto client = TRY(ScadaClient::Connect(endpoint.substr(0, colon), port));
   Json document;
   if (acknowledge > 0) {
-    const auto changed = client->Acknowledge(acknowledge);
-    if (!changed) return tl::unexpected(changed.error());
-    document["acknowledged"] = {{"number", acknowledge}, {"changed", *changed}};
+    const auto changed = TRY(client.Acknowledge(acknowledge));
+    document["acknowledged"] = {{"number", acknowledge}, {"changed", changed}};
     if (json != "-")
-      Say(fmt::format("alarm {}{}\n", acknowledge, *changed ? " acknowledged" : ": nothing to acknowledge"));
+      Say(fmt::format("alarm {}{}\n", acknowledge, changed ? " acknowledged" : ": nothing to acknowledge"));
   }
-  const auto seen = Look(*client);
-  if (!seen) return tl::unexpected(seen.error());
-  if (json != "-") Print(*seen, endpoint);
+  const auto seen = TRY(Look(client));
+  if (json != "-") Print(seen, endpoint);
   if (json.empty()) return {};
   for (const char* list : {"axes", "alarms", "journal"}) document[list] = Json::array();
-  for (const ScadaAxis& axis : seen->axes) document["axes"].push_back(AxisJson(axis));
-  for (const ScadaAlarm& alarm : seen->alarms) document["alarms"].push_back(ScadaAlarmJson(alarm));
-  for (const ScadaRow& row : seen->rows) document["journal"].push_back(RowJson(row));
+  for (const ScadaAxis& axis : seen.axes) document["axes"].push_back(AxisJson(axis));
+  for (const ScadaAlarm& alarm : seen.alarms) document["alarms"].push_back(ScadaAlarmJson(alarm));
+  for (const ScadaRow& row : seen.rows) document["journal"].push_back(RowJson(row));
   return WriteJson(json, document);
 }
 

@@ -21,28 +21,22 @@ struct CheckArguments {
 
 /// Listens to the machine in place of reading a log.
 Result<ExitCode> RunLive(const CheckArguments& arguments) {
-  const auto model = LoadLiveModel(arguments.live);
-  if (!model) return tl::unexpected(model.error());
-  const auto check = CheckLive(
-      (*model)->machine, arguments.seconds,
-      [](const Machine& machine, const Clock& clock) { return MakeSources(machine, clock, 1); }, RealTime);
-  if (!check) return tl::unexpected(check.error());
-  if (const Status told = Answer(LiveCheckText(*check), LiveCheckJson(*check), arguments.json); !told)
-    return tl::unexpected(told.error());
-  return check->Clean() ? kDone : kPartlyDone;
+  const auto model = TRY(LoadLiveModel(arguments.live));
+  const auto check = TRY(CheckLive(
+      model->machine, arguments.seconds,
+      [](const Machine& machine, const Clock& clock) { return MakeSources(machine, clock, 1); }, RealTime));
+  TRY(Answer(LiveCheckText(check), LiveCheckJson(check), arguments.json));
+  return check.Clean() ? kDone : kPartlyDone;
 }
 
 Result<ExitCode> Run(const CheckArguments& arguments) {
   if (!arguments.live.empty()) return RunLive(arguments);
   if (arguments.log.empty() || arguments.machine.empty())
     return UsageError("check needs LOG and --machine, or --live MACHINE");
-  const auto check = CheckLog(arguments.log, arguments.machine);
-  if (!check) return tl::unexpected(check.error());
-  if (const Status told = Answer(CheckText(*check, arguments.machine), CheckJson(*check), arguments.json);
-      !told)
-    return tl::unexpected(told.error());
-  const bool no_stroke = KindOf(check->machine).build != nullptr && check->driving.strokes == 0;
-  return check->Clean() && !no_stroke && !check->NothingIdentified() ? kDone : kPartlyDone;
+  const auto check = TRY(CheckLog(arguments.log, arguments.machine));
+  TRY(Answer(CheckText(check, arguments.machine), CheckJson(check), arguments.json));
+  const bool no_stroke = KindOf(check.machine).build != nullptr && check.driving.strokes == 0;
+  return check.Clean() && !no_stroke && !check.NothingIdentified() ? kDone : kPartlyDone;
 }
 
 }  // namespace

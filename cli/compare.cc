@@ -22,43 +22,37 @@ struct CompareArguments {
 };
 
 Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
-  const auto chosen = OpenHistory(a.history, a.machine);
-  if (!chosen) return tl::unexpected(chosen.error());
+  const auto chosen = TRY(OpenHistory(a.history, a.machine));
   SayIfOld(a.history.db);
   std::vector<CompareResult> results;
-  for (const HistoryChoice& choice : chosen->choices) {
-    const auto history = LoadHistory(chosen->database, a.history.db, choice.parts, choice.machine);
-    if (!history) return tl::unexpected(history.error());
-    auto result = CompareHistory(*history);
-    if (!result) return tl::unexpected(result.error());
-    result->described = HistoryLine(*history);
+  for (const HistoryChoice& choice : chosen.choices) {
+    const auto history = TRY(LoadHistory(chosen.database, a.history.db, choice.parts, choice.machine));
+    auto result = TRY(CompareHistory(history));
+    result.described = HistoryLine(history);
     if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
-      if (const auto change = FindStoredChange(chosen->database, part, choice.machine,
+      if (const auto change = FindStoredChange(chosen.database, part, choice.machine,
                                                AlarmsBeside(a.history.db, part.machine)))
-        result->warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)).english);
-    results.push_back(std::move(*result));
+        result.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)).english);
+    results.push_back(std::move(result));
   }
   return results;
 }
 
 Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
   if (!a.history.db.empty()) return CompareDatabase(a);
-  auto result = CompareLogs(a.logs, a.machine, a.hold_out);
-  if (!result) return tl::unexpected(result.error());
+  auto result = TRY(CompareLogs(a.logs, a.machine, a.hold_out));
   std::vector<CompareResult> results;
-  results.push_back(std::move(*result));
+  results.push_back(std::move(result));
   return results;
 }
 
 Status CompareStates(const CompareArguments& a) {
-  const auto fit = CompareStatesLogs(a.logs, a.machine, a.hold_out);
-  if (!fit) return tl::unexpected(fit.error());
-  if (a.json != "-") Say(CompareText(*fit));
-  if (!a.csv.empty())
-    if (const Status written = WriteStatesCsv(*fit, a.csv); !written) return written;
+  const auto fit = TRY(CompareStatesLogs(a.logs, a.machine, a.hold_out));
+  if (a.json != "-") Say(CompareText(fit));
+  if (!a.csv.empty()) TRY(WriteStatesCsv(fit, a.csv));
   if (a.json.empty()) return {};
-  nlohmann::json json = CompareJson(*fit);
-  json["machine"] = fit->log.machine.name;
+  nlohmann::json json = CompareJson(fit);
+  json["machine"] = fit.log.machine.name;
   return WriteJson(a.json, json);
 }
 
@@ -71,10 +65,9 @@ Status RunCompare(const CompareArguments& a) {
   if (!a.csv.empty() && !a.history.db.empty()) return UsageError("--csv needs logs, not a database");
   if (a.history.db.empty() && HasStates(a.machine)) return CompareStates(a);
   if (!a.csv.empty()) return UsageError("--csv is for machines with [states]: measured beside simulated");
-  const auto results = Compare(a);
-  if (!results) return tl::unexpected(results.error());
+  const auto results = TRY(Compare(a));
   nlohmann::json json = nlohmann::json::array();
-  for (const CompareResult& result : *results) {
+  for (const CompareResult& result : results) {
     if (a.json != "-") Say((json.empty() ? "" : "\n") + CompareText(result));
     json.push_back(CompareJson(result));
     json.back()["machine"] = result.log.machine.name;

@@ -72,25 +72,21 @@ Status WriteTrajectory(const Trajectory& t, const std::string& path, double row)
 }
 
 Status RunDesign(const DesignArguments& a) {
-  const auto machine = LoadMachine(a.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  const LinearForm form = LinearFormOf(*machine);
+  const auto machine = TRY(LoadMachine(a.machine));
+  const LinearForm form = LinearFormOf(machine);
   if (form.equations.empty())
     return UsageError(
         "machine '{}': no trajectory is designed for machines of model \"{}\"; 'explain' says what to record of one",
-        machine->name, KindOf(*machine).id);
+        machine.name, KindOf(machine).id);
   std::vector<TrajectoryLimits> limits;
   for (const std::string& text : a.ranges) {
-    const auto one = LimitsOf(text, a);
-    if (!one) return tl::unexpected(one.error());
-    limits.push_back(*one);
+    const auto one = TRY(LimitsOf(text, a));
+    limits.push_back(one);
   }
-  const auto trajectory = DesignTrajectory(form, *machine, limits, a.options);
-  if (!trajectory) return tl::unexpected(trajectory.error());
-  if (a.json != "-") Say(DesignText(*trajectory));
-  if (!a.out.empty())
-    if (const Status s = WriteTrajectory(*trajectory, a.out, a.row); !s) return s;
-  return a.json.empty() ? Status{} : WriteJson(a.json, DesignJson(*trajectory));
+  const auto trajectory = TRY(DesignTrajectory(form, machine, limits, a.options));
+  if (a.json != "-") Say(DesignText(trajectory));
+  if (!a.out.empty()) TRY(WriteTrajectory(trajectory, a.out, a.row));
+  return a.json.empty() ? Status{} : WriteJson(a.json, DesignJson(trajectory));
 }
 
 }  // namespace

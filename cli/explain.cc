@@ -45,18 +45,15 @@ void Add(Explained& all, const std::string& text, nlohmann::json json, ExplainRe
 }
 
 Result<Explained> ExplainOneLog(const ExplainArguments& a) {
-  const auto machine = LoadMachine(a.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto measured = MeasuredSizes(a.measured, *machine);
-  if (!measured) return tl::unexpected(measured.error());
+  const auto machine = TRY(LoadMachine(a.machine));
+  auto measured = TRY(MeasuredSizes(a.measured, machine));
   ExplainOptions options;
-  options.measured = std::move(*measured);
-  auto result = ExplainLogs(a.logs, a.machine, options);
-  if (!result) return tl::unexpected(result.error());
+  options.measured = std::move(measured);
+  auto result = TRY(ExplainLogs(a.logs, a.machine, options));
   Explained out;
-  const std::string text = ExplainText(*result);
-  nlohmann::json json = ExplainJson(*result);
-  Add(out, text, std::move(json), std::move(*result));
+  const std::string text = ExplainText(result);
+  nlohmann::json json = ExplainJson(result);
+  Add(out, text, std::move(json), std::move(result));
   return out;
 }
 
@@ -88,31 +85,27 @@ void AddSides(const std::string& note, const StrokeHistory& before, const Stroke
 /// All strokes chosen as one.
 Status ExplainWhole(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
                     Explained& out) {
-  const auto history = LoadHistory(database, a.history.db, choice.parts, choice.machine);
-  if (!history) return tl::unexpected(history.error());
-  auto result = ExplainHistory(*history);
-  if (!result) return tl::unexpected(result.error());
-  result->described = HistoryLine(*history);
-  result->target = choice.target;
+  const auto history = TRY(LoadHistory(database, a.history.db, choice.parts, choice.machine));
+  auto result = TRY(ExplainHistory(history));
+  result.described = HistoryLine(history);
+  result.target = choice.target;
   if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
     if (const auto change =
             FindStoredChange(database, part, choice.machine, AlarmsBeside(a.history.db, part.machine)))
-      result->explanation.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)));
-  AddWhole("", *history, std::nullopt, std::move(*result), out);
+      result.explanation.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)));
+  AddWhole("", history, std::nullopt, std::move(result), out);
   return {};
 }
 
 /// Strokes on either side of a place that somebody names.
 Status ExplainSince(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
                     Explained& out) {
-  const auto sides = Split(database, a.history.db, choice, a.since);
-  if (!sides) return tl::unexpected(sides.error());
-  auto result = ExplainChange(sides->first, sides->second);
-  if (!result) return tl::unexpected(result.error());
-  result->before.described = HistoryLine(sides->first);
-  result->after.described = HistoryLine(sides->second);
-  result->after.target = choice.target;
-  AddSides("", sides->first, sides->second, std::nullopt, std::move(*result), out);
+  const auto sides = TRY(Split(database, a.history.db, choice, a.since));
+  auto result = TRY(ExplainChange(sides.first, sides.second));
+  result.before.described = HistoryLine(sides.first);
+  result.after.described = HistoryLine(sides.second);
+  result.after.target = choice.target;
+  AddSides("", sides.first, sides.second, std::nullopt, std::move(result), out);
   return {};
 }
 
@@ -120,46 +113,41 @@ Status ExplainSince(const ExplainArguments& a, const Database& database, const H
 Status ExplainPart(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
                    Explained& out) {
   const HistoryPart& part = choice.parts.front();
-  auto stored =
-      ExplainStored(database, a.history.db, part, choice.machine, AlarmsBeside(a.history.db, part.machine));
-  if (!stored) return tl::unexpected(stored.error());
-  stored->now().target = choice.target;
+  auto stored = TRY(
+      ExplainStored(database, a.history.db, part, choice.machine, AlarmsBeside(a.history.db, part.machine)));
+  stored.now().target = choice.target;
   const CountedWords counted = CountedWordsOf(choice.machine);
-  std::string note = ChangeSentence(*stored, counted);
-  if (stored->sides)
+  std::string note = ChangeSentence(stored, counted);
+  if (stored.sides)
     note += fmt::format("\nWhat changed there, as --since {} tells it (--whole explains all {} as one):",
-                        stored->change->since, counted.many);
+                        stored.change->since, counted.many);
   if (!note.empty()) note += "\n\n";
-  if (stored->sides)
-    AddSides(note, stored->before, stored->after, stored->change, std::move(*stored->sides), out);
+  if (stored.sides)
+    AddSides(note, stored.before, stored.after, stored.change, std::move(*stored.sides), out);
   else
-    AddWhole(note, stored->after, stored->change, std::move(*stored->whole), out);
+    AddWhole(note, stored.after, stored.change, std::move(*stored.whole), out);
   return {};
 }
 
 Result<Explained> ExplainDatabase(const ExplainArguments& a) {
-  const auto chosen = OpenHistory(a.history, a.machine);
-  if (!chosen) return tl::unexpected(chosen.error());
+  const auto chosen = TRY(OpenHistory(a.history, a.machine));
   SayIfOld(a.history.db);
   Explained out;
-  for (const HistoryChoice& choice : chosen->choices) {
+  for (const HistoryChoice& choice : chosen.choices) {
     const auto explain = !a.since.empty()                     ? ExplainSince
                          : a.whole || choice.parts.size() > 1 ? ExplainWhole
                                                               : ExplainPart;
-    if (const Status done = explain(a, chosen->database, choice, out); !done)
-      return tl::unexpected(done.error());
+    TRY(explain(a, chosen.database, choice, out));
   }
   if (out.results.size() > 1) out.json = {{"machines", std::move(out.json)}};
   return out;
 }
 
 Status ExplainStatesOfLogs(const ExplainArguments& a) {
-  const auto explained = ExplainStatesLogs(a.logs, a.machine);
-  if (!explained) return tl::unexpected(explained.error());
-  if (a.json != "-") Say(ExplainText(*explained));
-  if (!a.report.empty())
-    if (const Status written = WriteStatesReport(a.report, *explained); !written) return written;
-  return a.json.empty() ? Status() : WriteJson(a.json, ExplainJson(*explained));
+  const auto explained = TRY(ExplainStatesLogs(a.logs, a.machine));
+  if (a.json != "-") Say(ExplainText(explained));
+  if (!a.report.empty()) TRY(WriteStatesReport(a.report, explained));
+  return a.json.empty() ? Status() : WriteJson(a.json, ExplainJson(explained));
 }
 
 Status RunExplain(const ExplainArguments& a) {
@@ -172,9 +160,8 @@ Status RunExplain(const ExplainArguments& a) {
       return UsageError(
           "explain of a machine in closed loop takes one LOG, and --since OLD for what "
           "changed; no --report, no --measured");
-    const auto changed = ExplainLoopLog(a.logs.front(), a.since, a.machine);
-    if (!changed) return tl::unexpected(changed.error());
-    return Answer(LoopChangeText(*changed), LoopChangeJson(*changed), a.json);
+    const auto changed = TRY(ExplainLoopLog(a.logs.front(), a.since, a.machine));
+    return Answer(LoopChangeText(changed), LoopChangeJson(changed), a.json);
   }
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
   if (a.history.db.empty() && HasStates(a.machine)) {
@@ -182,12 +169,10 @@ Status RunExplain(const ExplainArguments& a) {
       return UsageError("--measured: a machine described by states has no effects of the library");
     return ExplainStatesOfLogs(a);
   }
-  auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
-  if (!explained) return tl::unexpected(explained.error());
-  if (a.json != "-") Say(explained->text);
-  if (!a.report.empty())
-    if (const Status written = WriteExplainReport(a.report, explained->results); !written) return written;
-  return a.json.empty() ? Status() : WriteJson(a.json, explained->json);
+  auto explained = TRY(a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a));
+  if (a.json != "-") Say(explained.text);
+  if (!a.report.empty()) TRY(WriteExplainReport(a.report, explained.results));
+  return a.json.empty() ? Status() : WriteJson(a.json, explained.json);
 }
 
 }  // namespace

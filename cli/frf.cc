@@ -32,34 +32,26 @@ Result<ExitCode> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
         "--method sine and --settle are for valves",
         a.machine);
   LoopOptions options{a.options.segment_length, a.options.min_coherence, a.options.lowest, a.options.highest};
-  const auto measured = MeasureLoopLog(a.log, machine, options);
-  if (!measured) return tl::unexpected(measured.error());
-  if (const Status s = Answer(LoopText(*measured, machine), LoopJson(*measured, machine), a.json); !s)
-    return tl::unexpected(s.error());
-  if (!a.svg.empty())
-    if (const Status s = WriteTextFile(a.svg, LoopBodePlot(*measured, machine.name)); !s)
-      return tl::unexpected(s.error());
-  return measured->response.fit && measured->log.left_out == 0 ? kDone : kPartlyDone;
+  const auto measured = TRY(MeasureLoopLog(a.log, machine, options));
+  TRY(Answer(LoopText(measured, machine), LoopJson(measured, machine), a.json));
+  if (!a.svg.empty()) TRY(WriteTextFile(a.svg, LoopBodePlot(measured, machine.name)));
+  return measured.response.fit && measured.log.left_out == 0 ? kDone : kPartlyDone;
 }
 
 Result<ExitCode> RunFrf(const FrfArguments& a) {
-  const auto machine = LoadMachine(a.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  if (ClosedLoopOf(*machine) != nullptr) return RunClosedLoop(a, *machine);
+  const auto machine = TRY(LoadMachine(a.machine));
+  if (ClosedLoopOf(machine) != nullptr) return RunClosedLoop(a, machine);
   FrequencyResponseOptions options = a.options;
   options.method = MethodOf(a.method);
   if (a.settle >= 0) options.settle_time = a.settle;
-  const auto measured = MeasureValveLog(a.log, *machine, options);
-  if (!measured) return tl::unexpected(measured.error());
-  if (const Status s = Answer(ValveText(*measured, *machine), ValveJson(*measured, *machine), a.json); !s)
-    return tl::unexpected(s.error());
+  const auto measured = TRY(MeasureValveLog(a.log, machine, options));
+  TRY(Answer(ValveText(measured, machine), ValveJson(measured, machine), a.json));
   if (!a.svg.empty()) {
     const std::string title =
-        fmt::format("{}: {} to {}", machine->name, machine->valve.input, machine->valve.output);
-    if (const Status s = WriteTextFile(a.svg, ValveBodePlot(*measured, title)); !s)
-      return tl::unexpected(s.error());
+        fmt::format("{}: {} to {}", machine.name, machine.valve.input, machine.valve.output);
+    TRY(WriteTextFile(a.svg, ValveBodePlot(measured, title)));
   }
-  return measured->Complete() ? kDone : kPartlyDone;
+  return measured.Complete() ? kDone : kPartlyDone;
 }
 
 }  // namespace

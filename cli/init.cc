@@ -70,22 +70,20 @@ Status WriteFile(const InitArguments& arguments, const std::string& text) {
 }
 
 Status RunInit(const InitArguments& arguments) {
-  const auto head = ReadLogColumns(arguments.log);
-  if (!head) return tl::unexpected(head.error());
+  const auto head = TRY(ReadLogColumns(arguments.log));
   ProposalOptions options;
   options.model = arguments.model;
   if (arguments.area_cm2 > 0)  // the piston area of whatever machine it turns out to be
     for (const MachineKind* kind : MachineKinds())
       for (const MachineInput& known : kind->geometry)
         if (known.si == "m2") options.known[std::string(known.name)] = arguments.area_cm2 * 1e-4;
-  const MachineProposal proposal = ProposeMachine(*head, options);
+  const MachineProposal proposal = ProposeMachine(head, options);
   if (!arguments.out.empty()) {
-    if (const Status written = WriteFile(arguments, proposal.text); !written) return written;
+    TRY(WriteFile(arguments, proposal.text));
   } else if (arguments.json != "-") {
     std::cout << proposal.text;
   }
-  if (!arguments.json.empty())
-    if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written) return written;
+  if (!arguments.json.empty()) TRY(WriteJson(arguments.json, ToJson(proposal)));
   const bool stdout_is_taken = arguments.out.empty() || arguments.json == "-";
   (stdout_is_taken ? SayBeside : Say)(ReportText(arguments, proposal));
   return {};

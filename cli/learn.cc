@@ -31,10 +31,9 @@ Result<std::vector<LearningCandidate>> Candidates(const LearnArguments& a, const
                                                   const AlarmJournal& journal) {
   std::vector<LearningCandidate> candidates;
   for (const HistoryChoice& choice : history.choices) {
-    auto candidate =
-        LookBeforeLearning(history.database, a.history.db, choice.machine, choice.parts.front(), journal);
-    if (!candidate) return tl::unexpected(candidate.error());
-    candidates.push_back(std::move(*candidate));
+    auto candidate = TRY(
+        LookBeforeLearning(history.database, a.history.db, choice.machine, choice.parts.front(), journal));
+    candidates.push_back(std::move(candidate));
   }
   return candidates;
 }
@@ -78,34 +77,28 @@ std::string LearnedText(const nlohmann::json& learned, const Machine& machine) {
 }
 
 Status RunLearn(const LearnArguments& a) {
-  const auto history = OpenHistory(a.history, a.machine);
-  if (!history) return tl::unexpected(history.error());
-  const auto rules = RulesFor(a.machine, history->choices.front().machine);
-  if (!rules) return tl::unexpected(rules.error());
+  const auto history = TRY(OpenHistory(a.history, a.machine));
+  const auto rules = TRY(RulesFor(a.machine, history.choices.front().machine));
   std::string note;
-  auto journal = OpenJournalOf(a.history.db, WallSeconds(), note);
-  if (!journal) return tl::unexpected(journal.error());
+  auto journal = TRY(OpenJournalOf(a.history.db, WallSeconds(), note));
   if (!note.empty()) SayBeside("note: " + note + "\n");
-  const auto candidates = Candidates(a, *history, *journal);
-  if (!candidates) return tl::unexpected(candidates.error());
+  const auto candidates = TRY(Candidates(a, history, journal));
   nlohmann::json document = {{"learned", nlohmann::json::array()}, {"refused", nlohmann::json::array()}};
-  if (const Status may = TellDoubts(a, *candidates); !may) {
-    for (const LearningCandidate& c : *candidates)
+  if (const Status may = TellDoubts(a, candidates); !may) {
+    for (const LearningCandidate& c : candidates)
       if (c.Refused())
         document["refused"].push_back({{"machine", c.part.machine},
                                        {"first_stroke", c.part.first},
                                        {"last_stroke", c.part.last - 1},
                                        {"doubts", DoubtsJson(c.doubts)}});
-    if (!a.json.empty())
-      if (const Status written = WriteJson(a.json, document); !written) return written;
+    if (!a.json.empty()) TRY(WriteJson(a.json, document));
     return may;
   }
-  for (const LearningCandidate& candidate : *candidates) {
-    auto learned = LearnReference(history->database, a.history.db, candidate, *rules, *journal,
-                                  {a.user, a.comment}, WallSeconds());
-    if (!learned) return tl::unexpected(learned.error());
-    if (a.json != "-") Say(LearnedText(*learned, candidate.machine));
-    document["learned"].push_back(std::move(*learned));
+  for (const LearningCandidate& candidate : candidates) {
+    auto learned = TRY(LearnReference(history.database, a.history.db, candidate, rules, journal,
+                                      {a.user, a.comment}, WallSeconds()));
+    if (a.json != "-") Say(LearnedText(learned, candidate.machine));
+    document["learned"].push_back(std::move(learned));
   }
   return a.json.empty() ? Status() : WriteJson(a.json, document);
 }

@@ -33,9 +33,8 @@ void AddEffectsCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
       "  hydroscope model effects --json -");
   RunsAs(*command, exit_code, [options]() -> Status {
     if (options->machine.empty()) return Answer(EffectsText(), EffectsJson(), options->json);
-    const auto machine = LoadMachine(options->machine);
-    if (!machine) return tl::unexpected(machine.error());
-    return Answer(EffectsText(&*machine), EffectsJson(&*machine), options->json);
+    const auto machine = TRY(LoadMachine(options->machine));
+    return Answer(EffectsText(&machine), EffectsJson(&machine), options->json);
   });
 }
 
@@ -46,9 +45,8 @@ void AddShowCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& option
   AddJsonOption(*command, options->json);
   command->footer("Examples:\n  hydroscope model show --machine press.toml");
   RunsAs(*command, exit_code, [options]() -> Status {
-    const auto machine = LoadMachine(options->machine);
-    if (!machine) return tl::unexpected(machine.error());
-    return Answer(ModelText(*machine), ModelJson(*machine), options->json);
+    const auto machine = TRY(LoadMachine(options->machine));
+    return Answer(ModelText(machine), ModelJson(machine), options->json);
   });
 }
 
@@ -134,24 +132,19 @@ Status ShowHistory(const ModelOptions& options) {
   if (options.machine.empty() == history.db.empty())
     return UsageError("model history needs --machine FILE or --db FILE");
   if (history.db.empty()) {
-    const auto machine = LoadMachine(options.machine);
-    if (!machine) return tl::unexpected(machine.error());
-    return Answer(ModelHistoryText(*machine), ModelHistoryJson(*machine), options.json);
+    const auto machine = TRY(LoadMachine(options.machine));
+    return Answer(ModelHistoryText(machine), ModelHistoryJson(machine), options.json);
   }
-  auto database = Database::OpenReadOnly(history.db);
-  if (!database) return tl::unexpected(database.error());
-  const auto parts = ChosenMachines(*database, history.db, history.machines);
-  if (!parts) return tl::unexpected(parts.error());
+  auto database = TRY(Database::OpenReadOnly(history.db));
+  const auto parts = TRY(ChosenMachines(database, history.db, history.machines));
   std::string text;
   nlohmann::json machines = nlohmann::json::array();
-  for (const HistoryPart& part : *parts) {
-    const auto machine = NewestStoredModel(*database, part);
-    if (!machine) return tl::unexpected(machine.error());
-    const auto versions = database->ModelVersions(part.id);
-    if (!versions) return tl::unexpected(versions.error());
-    text += (text.empty() ? "" : "\n") + ModelHistoryText(*machine) + StoredVersionsText(*versions);
-    machines.push_back(ModelHistoryJson(*machine));
-    machines.back()["stored"] = StoredVersionsJson(*versions);
+  for (const HistoryPart& part : parts) {
+    const auto machine = TRY(NewestStoredModel(database, part));
+    const auto versions = TRY(database.ModelVersions(part.id));
+    text += (text.empty() ? "" : "\n") + ModelHistoryText(machine) + StoredVersionsText(versions);
+    machines.push_back(ModelHistoryJson(machine));
+    machines.back()["stored"] = StoredVersionsJson(versions);
   }
   return Answer(text, machines.size() == 1 ? machines.front() : nlohmann::json{{"machines", machines}},
                 options.json);

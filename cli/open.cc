@@ -48,10 +48,9 @@ Status RunOpen(PageOptions options) {
       return asked ? Status() : tl::unexpected(asked.error());
     };
   }
-  const auto page = PageServer::Open(options);
-  if (!page) return tl::unexpected(page.error());
-  Say(fmt::format("{}  (Ctrl-C ends it)\n", (*page)->address()));
-  Wait(**page, signals);
+  const auto page = TRY(PageServer::Open(options));
+  Say(fmt::format("{}  (Ctrl-C ends it)\n", page->address()));
+  Wait(*page, signals);
   return {};
 }
 

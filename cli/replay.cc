@@ -22,18 +22,14 @@ Result<ExitCode> Run(const ReplayArguments& arguments) {
   if (AskService(SocketOf(arguments.options.database), "GET", "/status"))
     return BadInput("a service writes {}; stop it first, or replay into another database",
                     arguments.options.database);
-  const auto outcome = RunReplay(arguments.options);
-  if (!outcome) return tl::unexpected(outcome.error());
-  if (const Status told = Answer(ReplayText(arguments.options, *outcome),
-                                 ReplayJson(arguments.options, *outcome), arguments.json);
-      !told)
-    return tl::unexpected(told.error());
-  for (const ReplayOutcome& machine : outcome->machines)
+  const auto outcome = TRY(RunReplay(arguments.options));
+  TRY(Answer(ReplayText(arguments.options, outcome), ReplayJson(arguments.options, outcome), arguments.json));
+  for (const ReplayOutcome& machine : outcome.machines)
     for (const LogReplay& replay : machine.logs)
       if (replay.status == ReplayStatus::kFailed)
         std::cerr << "hydroscope: left out: " << replay.problem << "\n";
-  if (outcome->Failed()) return kWrongInput;
-  return outcome->Complete() ? kDone : kPartlyDone;
+  if (outcome.Failed()) return kWrongInput;
+  return outcome.Complete() ? kDone : kPartlyDone;
 }
 
 }  // namespace

@@ -17,15 +17,14 @@ struct ReportArguments {
 
 Status RunReport(const ReportArguments& a) {
   const std::string not_stored = SayIfOld(a.db);
-  const auto written = WriteStoredReport(a.db, a.machine, a.out, not_stored);
-  if (!written) return tl::unexpected(written.error());
-  return Answer(fmt::format("{}: {} of {} in {}\n", a.out, written->counted.Counted(written->strokes),
-                            written->machine, Counted(written->runs, "run")),
+  const auto written = TRY(WriteStoredReport(a.db, a.machine, a.out, not_stored));
+  return Answer(fmt::format("{}: {} of {} in {}\n", a.out, written.counted.Counted(written.strokes),
+                            written.machine, Counted(written.runs, "run")),
                 {{"report", a.out},
-                 {"machine", written->machine},
-                 {"strokes", written->strokes},
-                 {"runs", written->runs},
-                 {"alarms", written->alarms},
+                 {"machine", written.machine},
+                 {"strokes", written.strokes},
+                 {"runs", written.runs},
+                 {"alarms", written.alarms},
                  {"not_stored", not_stored}},
                 a.json);
 }

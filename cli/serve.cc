@@ -104,11 +104,9 @@ Result<HttpListen> ListenOf(const ServeArguments& a) {
   listen.socket = SocketOf(a.live.database);
   if (a.certificate.empty() != a.key.empty()) return UsageError("--certificate and --key belong together");
   if (a.certificate.empty()) return listen;
-  if (const Status secret = CheckSecret(a.key, "--key"); !secret) return tl::unexpected(secret.error());
+  TRY(CheckSecret(a.key, "--key"));
   for (const auto& [path, text] : {std::pair{a.certificate, &listen.certificate}, {a.key, &listen.key}}) {
-    auto read = ReadPem(path);
-    if (!read) return tl::unexpected(read.error());
-    *text = std::move(*read);
+    *text = TRY(ReadPem(path));
   }
   return listen;
 }
@@ -147,8 +145,7 @@ ExitCode BeginAgain() {
 }
 
 Result<End> Run(ServeArguments& a) {
-  if (const Status configured = ConfigureLog(a.log_level, a.log_json); !configured)
-    return tl::unexpected(configured.error());
+  TRY(ConfigureLog(a.log_level, a.log_json));
   KeepFreedMemory();
   a.live.writer.raw = {static_cast<std::int64_t>(a.raw_gigabytes * 1024 * kMegabyte), a.raw_days * 86400};
   a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
@@ -157,21 +154,19 @@ Result<End> Run(ServeArguments& a) {
   if (AskService(SocketOf(a.live.database), "GET", "/status"))
     return BadInput("another service writes {} already; stop it first, or take another database",
                     a.live.database);
-  const auto listen = ListenOf(a);
-  if (!listen) return tl::unexpected(listen.error());
+  const auto listen = TRY(ListenOf(a));
   const sigset_t signals = LeaveToSignalWait({SIGTERM, SIGINT, SIGHUP});  // one thread waits for them
-  auto created = LiveService::Create(
+  auto created = TRY(LiveService::Create(
       a.live,
       [](const Machine& machine, const Clock& clock) {
         return MakeSources(machine, clock, static_cast<std::uint64_t>(clock().wall_ns));
       },
-      RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
-  if (!created) return tl::unexpected(created.error());
-  LiveService& service = **created;
+      RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged()));
+  LiveService& service = *created;
   ValveChecks checks(service, a.valve_check, RealTime);
   Surveillance surveillance(service, checks, a.live, RealTime);
   ServicePageOptions page_options;
-  page_options.listen = *listen;
+  page_options.listen = listen;
   page_options.host_names = a.host_names;
   page_options.watch.database = a.live.database;
   page_options.watch.machine_file = a.live.machine_file;
@@ -180,9 +175,8 @@ Result<End> Run(ServeArguments& a) {
   page_options.service = [&](const HttpRequest& request) {
     return AnswerTools(request, surveillance, checks);
   };
-  const auto page = PageServer::OpenForService(page_options);
-  if (!page) return tl::unexpected(page.error());
-  if (const Status started = service.Start(); !started) return tl::unexpected(started.error());
+  const auto page = TRY(PageServer::OpenForService(page_options));
+  TRY(service.Start());
   checks.Start();
   surveillance.Start();
   LogInfo("serving", {{"machine", service.machine().name},
@@ -191,7 +185,7 @@ Result<End> Run(ServeArguments& a) {
                       {"address", a.address},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
-  const End end = Wait(service, surveillance, **page, a.live, signals);
+  const End end = Wait(service, surveillance, *page, a.live, signals);
   sd_notify(0, "STOPPING=1");
   LogInfo("stopping");
   checks.Stop();

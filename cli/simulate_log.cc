@@ -55,34 +55,30 @@ Result<int> AxisNamed(const Machine& machine, const std::string& name) {
 class LogSender {
  public:
   static Result<LogSender> Open(const SentLog& wanted) {
-    const auto machine = LoadMachine(wanted.machine);
-    if (!machine) return tl::unexpected(machine.error());
-    const auto* dds = machine->Source<DdsSpec>();
+    const auto machine = TRY(LoadMachine(wanted.machine));
+    const auto* dds = machine.Source<DdsSpec>();
     if (dds == nullptr)
       return BadInput("{}: a log is sent by DDS, and the file has no section [live.dds] that says where",
                       wanted.machine);
-    const auto axis = AxisNamed(*machine, wanted.axis);
-    if (!axis) return tl::unexpected(axis.error());
+    const auto axis = TRY(AxisNamed(machine, wanted.axis));
     LogSender sender;
-    sender.machine_ = std::make_unique<Machine>(MachineOfAxis(*machine, *axis));
-    auto reader = OpenLog(wanted.log, *sender.machine_);
-    if (!reader) return tl::unexpected(reader.error());
-    sender.reader_ = std::move(*reader);
+    sender.machine_ = std::make_unique<Machine>(MachineOfAxis(machine, axis));
+    sender.reader_ = TRY(OpenLog(wanted.log, *sender.machine_));
     SamplePublisher::Options options{.network = NetworkOf(*dds),
                                      .topic = dds->topic,
                                      .session = static_cast<std::uint64_t>(RealTime().wall_ns / 1'000'000),
                                      .channels = {},
                                      .units = {},
                                      .name = "recorded log"};
-    for (std::size_t s = 0; s < machine->signals.size(); ++s) {
-      const SignalSpec& spec = machine->signals[s];
+    for (std::size_t s = 0; s < machine.signals.size(); ++s) {
+      const SignalSpec& spec = machine.signals[s];
       if (spec.From<DdsOrigin>() == nullptr || spec.column.empty()) {
         sender.left_out_.push_back(spec.name);
         continue;
       }
       const Unit unit = FindUnit(spec.unit).value_or(Unit{});
       sender.signals_.push_back({s, spec.scale * unit.scale, spec.offset * unit.scale + unit.offset});
-      options.channels.push_back(DdsChannelName(*machine, static_cast<int>(s), *axis));
+      options.channels.push_back(DdsChannelName(machine, static_cast<int>(s), axis));
       options.units.push_back(spec.unit);
     }
     if (sender.signals_.empty())
@@ -90,9 +86,7 @@ class LogSender {
           "{}: no signal has both a column of the log and a name on the wire, e.g. z = {{ column = \"z\", "
           "dds = \"z\", unit = \"mm\" }}",
           wanted.machine);
-    auto publisher = SamplePublisher::Create(options);
-    if (!publisher) return tl::unexpected(publisher.error());
-    sender.publisher_ = std::move(*publisher);
+    sender.publisher_ = TRY(SamplePublisher::Create(options));
     return sender;
   }
 
@@ -115,19 +109,18 @@ class LogSender {
     SampleBlock block;
     std::vector<double> values;
     while (!stop.stop_requested()) {
-      const auto read = reader_->Read(block, rows_at_once);
-      if (!read) return tl::unexpected(read.error());
-      if (*read == 0) break;
+      const auto read = TRY(reader_->Read(block, rows_at_once));
+      if (read == 0) break;
       values.clear();
-      for (std::size_t row = 0; row < *read; ++row)
+      for (std::size_t row = 0; row < read; ++row)
         for (const SentSignal& s : signals_) values.push_back(s.Sent(block.signal[s.signal][row]));
-      const double since = static_cast<double>(rows_) * period, length = static_cast<double>(*read) * period;
+      const double since = static_cast<double>(rows_) * period, length = static_cast<double>(read) * period;
       if (!Sleep(stop, since + length - Seconds(RealTime().monotonic_ns - start.monotonic_ns))) break;
       const bool taken =
           publisher_->Write(static_cast<std::uint64_t>(rows_), start.wall_ns + Nanoseconds(since),
-                            Nanoseconds(period), static_cast<std::uint32_t>(*read), values);
-      if (!taken) dropped_ += static_cast<std::int64_t>(*read);
-      rows_ += static_cast<std::int64_t>(*read);
+                            Nanoseconds(period), static_cast<std::uint32_t>(read), values);
+      if (!taken) dropped_ += static_cast<std::int64_t>(read);
+      rows_ += static_cast<std::int64_t>(read);
     }
     publisher_->Drain(kDrain);
     return {};
@@ -156,17 +149,16 @@ class LogSender {
 
 Status SendLog(const SentLog& wanted) {
   const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});
-  auto sender = LogSender::Open(wanted);
-  if (!sender) return tl::unexpected(sender.error());
+  auto sender = TRY(LogSender::Open(wanted));
   std::stop_source stop;
   const std::jthread waits([&signals, stop](const std::stop_token& done) mutable {
     const timespec look{.tv_sec = 0, .tv_nsec = 100'000'000};
     while (!done.stop_requested())
       if (sigtimedwait(&signals, nullptr, &look) > 0) stop.request_stop();
   });
-  std::cout << "waiting for a reader: " << sender->Announcement() << std::endl;
-  const Status sent = sender->Run(stop.get_token());
-  std::cout << sender->Outcome() << std::endl;
+  std::cout << "waiting for a reader: " << sender.Announcement() << std::endl;
+  const Status sent = sender.Run(stop.get_token());
+  std::cout << sender.Outcome() << std::endl;
   return sent;
 }
 

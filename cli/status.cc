@@ -31,19 +31,15 @@ std::string Interval(const ValueWithStd& f) {
 
 /// The history of valve checks, from the database; no service is needed.
 Result<ExitCode> RunValveChecks(const StatusArguments& a) {
-  auto database = Database::OpenReadOnly(a.database);
-  if (!database) return tl::unexpected(database.error());
-  const auto names = database->MachineNames();
-  if (!names) return tl::unexpected(names.error());
+  auto database = TRY(Database::OpenReadOnly(a.database));
+  const auto names = TRY(database.MachineNames());
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{:<22} {:>13} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", "axis", "time s",
                                  "outcome", "bandwidth Hz", "damping", "gain", "dead time ms", "");
-  for (const std::string& name : *names) {
-    const auto machine = database->MachineId(name);
-    if (!machine) return tl::unexpected(machine.error());
-    const auto checks = database->ValveChecks(*machine);
-    if (!checks) return tl::unexpected(checks.error());
-    for (const ValveCheckRecord& record : *checks) {
+  for (const std::string& name : names) {
+    const auto machine = TRY(database.MachineId(name));
+    const auto checks = TRY(database.ValveChecks(machine));
+    for (const ValveCheckRecord& record : checks) {
       const ValveCheck& c = record.check;
       std::string conditions = record.detail;
       if (std::isfinite(c.supply_pressure))
@@ -70,8 +66,7 @@ Result<ExitCode> RunValveChecks(const StatusArguments& a) {
       list.push_back(std::move(check));
     }
   }
-  if (const Status told = Answer(text, {{"valve_checks", list}}, a.json); !told)
-    return tl::unexpected(told.error());
+  TRY(Answer(text, {{"valve_checks", list}}, a.json));
   return kDone;
 }
 
@@ -79,30 +74,26 @@ Result<ExitCode> RunStatus(const StatusArguments& a) {
   if (a.valve_checks) return RunValveChecks(a);
   const std::string socket = SocketOf(a.database);
   if (!a.valve_check.empty()) {
-    const auto asked = AskService(socket, "POST", "/valve_check?axis=" + a.valve_check);
-    if (!asked) return tl::unexpected(asked.error());
+    const auto asked = TRY(AskService(socket, "POST", "/valve_check?axis=" + a.valve_check));
     Say("The controller will be asked for a valve sweep of " + Printable(a.valve_check) +
         "; `hydroscope status --valve-checks` shows what comes of it.\n");
     return kDone;
   }
-  const auto answer = AskService(socket, "GET", "/status");
-  if (!answer) return tl::unexpected(answer.error());
-  const auto status = nlohmann::json::parse(*answer, nullptr, false);
+  const auto answer = TRY(AskService(socket, "GET", "/status"));
+  const auto status = nlohmann::json::parse(answer, nullptr, false);
   if (!status.is_object())
     return InternalError("the service's answer is no JSON; is it another version of the program?");
-  if (const Status told = Answer(StatusText(status), status, a.json); !told)
-    return tl::unexpected(told.error());
+  TRY(Answer(StatusText(status), status, a.json));
   return status.at("writer").at("state") == "writing" ? kDone : kPartlyDone;
 }
 
 Result<ExitCode> RunVerify(const std::string& database, const std::string& json) {
-  const auto runs = VerifyLive(database);
-  if (!runs) return tl::unexpected(runs.error());
+  const auto runs = TRY(VerifyLive(database));
   nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", "axis", "run", "rows", "stored",
                                  "replay of the raw window");
   std::int64_t same = 0, different = 0;
-  for (const VerifiedRun& run : *runs) {
+  for (const VerifiedRun& run : runs) {
     using enum VerifiedRun::Outcome;
     const std::string outcome = run.outcome == kSame      ? "the same to the last bit"
                                 : run.outcome == kDiffers ? "DIFFERS: " + run.detail
@@ -118,14 +109,12 @@ Result<ExitCode> RunVerify(const std::string& database, const std::string& json)
                     {"compared", run.outcome != kNotKept},
                     {"detail", run.detail}});
   }
-  if (runs->empty())
+  if (runs.empty())
     text = fmt::format("{} holds no run of a service: nothing to compare\n", database);
   else
     text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
-                        different, static_cast<std::int64_t>(runs->size()) - same - different);
-  if (const Status told = Answer(text, {{"runs", list}, {"same", same}, {"different", different}}, json);
-      !told)
-    return tl::unexpected(told.error());
+                        different, static_cast<std::int64_t>(runs.size()) - same - different);
+  TRY(Answer(text, {{"runs", list}, {"same", same}, {"different", different}}, json));
   if (different > 0) return kOwnFault;
   return same > 0 ? kDone : kPartlyDone;
 }

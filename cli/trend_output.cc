@@ -202,12 +202,11 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
   bool written = sink.Write(
       fmt::format("{{\"schema\": {}, \"machine\": {}, \"points\": [", kJsonSchema, JsonText(trends.machine)));
   const char* before = "\n";
-  const Status read = points(trends, [&](const TrendPoint& point) {
+  TRY(points(trends, [&](const TrendPoint& point) {
     written = written && sink.Write(before + JsonText(PointJson(point)));
     before = ",\n";
     return written;
-  });
-  if (!read) return tl::unexpected(read.error());
+  }));
   nlohmann::json summary = nlohmann::json::array();
   for (const TrendSummary& s : trends.summaries) summary.push_back(SummaryJson(s));
   nlohmann::json alarms = nlohmann::json::array();
@@ -231,36 +230,31 @@ std::string TrendText(const MachineTrends& trends) {
 
 Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,
                      const TrendPoints& points) {
-  auto sink = TextSink::Open(path);
-  if (!sink) return tl::unexpected(sink.error());
-  sink->Write(
+  auto sink = TRY(TextSink::Open(path));
+  sink.Write(
       "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,"
       "last_excited_s\n");
   for (const MachineTrends& trends : machines) {
     const std::string machine = Field(trends.machine);
     bool written = true;
-    const Status read = points(
-        trends, [&](const TrendPoint& point) { return written = sink->Write(CsvRow(machine, point)); });
-    if (!read) return read;
+    TRY(points(trends,
+               [&](const TrendPoint& point) { return written = sink.Write(CsvRow(machine, point)); }));
     if (!written) break;
   }
-  return sink->Close();
+  return sink.Close();
 }
 
 Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines,
                       const TrendPoints& points) {
-  auto sink = TextSink::Open(path);
-  if (!sink) return tl::unexpected(sink.error());
+  auto sink = TRY(TextSink::Open(path));
   const bool several = machines.size() != 1;
-  bool written = sink->Write(several ? "{\"machines\": [" : "");
+  bool written = sink.Write(several ? "{\"machines\": [" : "");
   for (std::size_t i = 0; written && i < machines.size(); ++i) {
-    if (i > 0) sink->Write(",\n");
-    const auto machine = WriteMachine(*sink, machines[i], points);
-    if (!machine) return tl::unexpected(machine.error());
-    written = *machine;
+    if (i > 0) sink.Write(",\n");
+    written = TRY(WriteMachine(sink, machines[i], points));
   }
-  if (written) sink->Write(several ? "]}\n" : "\n");
-  return sink->Close();
+  if (written) sink.Write(several ? "]}\n" : "\n");
+  return sink.Close();
 }
 
 }  // namespace hydroscope

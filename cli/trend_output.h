@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
 #include "core/counted_words.h"
+#include "core/records/alarm_records.h"
 #include "core/result.h"
 #include "storage/database.h"
 #include "workbench/history/trend_summary.h"

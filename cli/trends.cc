@@ -36,21 +36,20 @@ std::string DidYouMean(const std::string& name, const std::vector<std::string>& 
 
 /// The machines asked for, in the order of the database.
 Result<std::vector<std::string>> NamedOrAll(const TrendsArguments& a, const Database& database) {
-  const auto names = database.MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  if (names->empty())
+  const auto names = TRY(database.MachineNames());
+  if (names.empty())
     return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
                     a.db, a.db);
   if (!a.machine.empty()) {
-    if (std::ranges::find(*names, a.machine) == names->end())
-      return BadInput("{} has no machine \"{}\"; it holds: {}{}", a.db, a.machine, Listed(*names),
-                      DidYouMean(a.machine, *names));
+    if (std::ranges::find(names, a.machine) == names.end())
+      return BadInput("{} has no machine \"{}\"; it holds: {}{}", a.db, a.machine, Listed(names),
+                      DidYouMean(a.machine, names));
     return std::vector<std::string>{a.machine};
   }
-  if (names->size() > 1 && !a.all)
+  if (names.size() > 1 && !a.all)
     return UsageError("{} holds {} machines: {}. Choose one with --machine NAME, or take --all", a.db,
-                      names->size(), Listed(*names));
-  return *names;
+                      names.size(), Listed(names));
+  return names;
 }
 
 /// The points of a machine, read a piece at a time: a history of years is larger than memory.
@@ -58,9 +57,8 @@ TrendPoints PointsOf(const TrendsArguments& a, const Database& database) {
   return [&](const MachineTrends& trends, const std::function<bool(const TrendPoint&)>& show) -> Status {
     for (std::int64_t first = trends.begin; first < trends.end; first += kStrokesAtATime) {
       const auto points =
-          database.Trend(trends.id, a.parameter, first, std::min(first + kStrokesAtATime, trends.end));
-      if (!points) return tl::unexpected(points.error());
-      for (const TrendPoint& point : *points)
+          TRY(database.Trend(trends.id, a.parameter, first, std::min(first + kStrokesAtATime, trends.end)));
+      for (const TrendPoint& point : points)
         if (!show(point)) return {};
     }
     return {};
@@ -89,25 +87,21 @@ JudgedBy BlocksOf(const TrendsArguments& a, Database& database, const HistoryPar
 Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {
   MachineTrends trends;
   trends.machine = machine;
-  const auto id = database.MachineId(machine);
-  if (!id) return tl::unexpected(id.error());
-  trends.id = *id;
-  auto runs = database.Runs(*id);
-  if (!runs) return tl::unexpected(runs.error());
-  trends.runs = std::move(*runs);
+  const auto id = TRY(database.MachineId(machine));
+  trends.id = id;
+  trends.runs = TRY(database.Runs(id));
   trends.end = trends.runs.empty() ? 0 : trends.runs.back().first_sequence + trends.runs.back().strokes;
   trends.begin = a.last > 0 ? std::max<std::int64_t>(0, trends.end - a.last) : 0;
   TrendSummariser summariser;
   bool any = false;
-  const Status read = PointsOf(a, database)(trends, [&](const TrendPoint& point) {
+  TRY(PointsOf(a, database)(trends, [&](const TrendPoint& point) {
     if (!any) trends.first = point;
     any = true;
     trends.last = point;
     summariser.Add(point);
     return true;
-  });
-  if (!read) return tl::unexpected(read.error());
-  const HistoryPart part{machine, *id, trends.begin, trends.end};
+  }));
+  const HistoryPart part{machine, id, trends.begin, trends.end};
   const MachineKind* kind = nullptr;
   if (const auto stored = StoredMachine(database, a.db, part); stored) {
     trends.counted = CountedWordsOf(*stored);
@@ -120,45 +114,39 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   for (TrendSummary& summary : trends.summaries) summary.kind = kind;
   if (any || a.parameter.empty() || trends.end == 0) return trends;
 
-  const auto names = database.ParameterNames(*id);
-  if (!names) return tl::unexpected(names.error());
+  const auto names = TRY(database.ParameterNames(id));
   return BadInput("{}: machine \"{}\" has no parameter \"{}\" in these {}; it has: {}{}", a.db, machine,
-                  a.parameter, trends.counted.many, Listed(*names), DidYouMean(a.parameter, *names));
+                  a.parameter, trends.counted.many, Listed(names), DidYouMean(a.parameter, names));
 }
 
 Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines,
              const TrendPoints& points) {
   if (a.csv != "-" && a.json != "-")
     for (std::size_t i = 0; i < machines.size(); ++i) Say((i > 0 ? "\n" : "") + TrendText(machines[i]));
-  if (!a.csv.empty())
-    if (const Status written = WriteTrendCsv(a.csv, machines, points); !written) return written;
-  if (!a.json.empty())
-    if (const Status written = WriteTrendJson(a.json, machines, points); !written) return written;
+  if (!a.csv.empty()) TRY(WriteTrendCsv(a.csv, machines, points));
+  if (!a.json.empty()) TRY(WriteTrendJson(a.json, machines, points));
   return {};
 }
 
 Status RunTrends(const TrendsArguments& a) {
   if (a.csv == "-" && a.json == "-")
     return UsageError("--csv - and --json - cannot both go to stdout; give one a file");
-  auto database = Database::OpenReadOnly(a.db);
-  if (!database) return tl::unexpected(database.error());
-  const auto names = NamedOrAll(a, *database);
-  if (!names) return tl::unexpected(names.error());
+  auto database = TRY(Database::OpenReadOnly(a.db));
+  const auto names = TRY(NamedOrAll(a, database));
   SayIfOld(a.db);
   std::vector<MachineTrends> machines;
   std::int64_t silent = 0;  // strokes and episodes of machines without an estimate
-  for (const std::string& name : *names) {
-    auto trends = ReadTrends(a, *database, name);
-    if (!trends) return tl::unexpected(trends.error());
-    const std::int64_t stored = trends->end - trends->begin;
+  for (const std::string& name : names) {
+    auto trends = TRY(ReadTrends(a, database, name));
+    const std::int64_t stored = trends.end - trends.begin;
     silent += stored;
-    if (trends->summaries.empty() && stored > 0)
+    if (trends.summaries.empty() && stored > 0)
       std::cerr << fmt::format("{}: {} of machine \"{}\" stored, none of which tells of a parameter\n", a.db,
-                               trends->counted.Counted(stored), name);
-    else if (trends->summaries.empty())
+                               trends.counted.Counted(stored), name);
+    else if (trends.summaries.empty())
       std::cerr << fmt::format("{}: nothing of machine \"{}\" is stored yet\n", a.db, name);
     else
-      machines.push_back(std::move(*trends));
+      machines.push_back(std::move(trends));
   }
   if (machines.empty() && silent > 0)
     return BadInput(
@@ -168,7 +156,7 @@ Status RunTrends(const TrendsArguments& a) {
         "{} holds no strokes or episodes yet: nothing in its logs was inside the gate, or their replay was stopped "
         "before the first. `hydroscope check LOG --machine M.toml` tells what a log contains",
         a.db);
-  return Write(a, machines, PointsOf(a, *database));
+  return Write(a, machines, PointsOf(a, database));
 }
 
 }  // namespace

@@ -63,48 +63,39 @@ Status PutUser(const UsersArguments& a, bool is_new) {
   if (!IsUserName(a.name))
     return UsageError("'{}' is no name of a user: expected up to 64 letters, digits and . _ - @",
                       Printable(a.name));
-  auto store = is_new ? AccessStore::Open(a.database) : AccessStore::OpenExisting(a.database);
-  if (!store) return tl::unexpected(store.error());
-  const auto known = store->User(a.name);
-  if (!known) return tl::unexpected(known.error());
-  if (is_new && *known)
-    return BadInput("there is a user '{}' already; change it with `users change`", a.name);
-  if (!is_new && !*known) return BadInput("there is no user '{}'; make one with `users add`", a.name);
-  StoredUser user = known->value_or(StoredUser{a.name, a.role, "", WallSeconds()});
+  auto store = TRY(is_new ? AccessStore::Open(a.database) : AccessStore::OpenExisting(a.database));
+  const auto known = TRY(store.User(a.name));
+  if (is_new && known) return BadInput("there is a user '{}' already; change it with `users change`", a.name);
+  if (!is_new && !known) return BadInput("there is no user '{}'; make one with `users add`", a.name);
+  StoredUser user = known.value_or(StoredUser{a.name, a.role, "", WallSeconds()});
   const bool asks = is_new || a.role.empty();
   if (!a.role.empty()) user.role = a.role;
   if (asks) {
-    auto hash = HashOfNewPassword();
-    if (!hash) return tl::unexpected(hash.error());
-    user.password = std::move(*hash);
+    user.password = TRY(HashOfNewPassword());
   }
   const char* what = is_new ? "user added" : asks ? "password changed" : "role changed";
-  if (const Status told = Tell(*store, what, fmt::format("{}, {}", user.name, user.role)); !told) return told;
-  if (const Status put = store->PutUser(user); !put) return put;
+  TRY(Tell(store, what, fmt::format("{}, {}", user.name, user.role)));
+  TRY(store.PutUser(user));
   Say(fmt::format("{}: {}, role {}\n", what, user.name, user.role));
   return {};
 }
 
 Status RemoveUser(const UsersArguments& a) {
-  auto store = AccessStore::OpenExisting(a.database);
-  if (!store) return tl::unexpected(store.error());
-  const auto known = store->User(a.name);
-  if (!known) return tl::unexpected(known.error());
-  if (!*known) return BadInput("there is no user '{}'", Printable(a.name));
-  if (const Status told = Tell(*store, "user removed", a.name); !told) return told;
-  if (const Status removed = store->RemoveUser(a.name); !removed) return removed;
+  auto store = TRY(AccessStore::OpenExisting(a.database));
+  const auto known = TRY(store.User(a.name));
+  if (!known) return BadInput("there is no user '{}'", Printable(a.name));
+  TRY(Tell(store, "user removed", a.name));
+  TRY(store.RemoveUser(a.name));
   Say(fmt::format("user removed: {}\n", a.name));
   return {};
 }
 
 Status ListUsers(const UsersArguments& a) {
-  const auto store = AccessStore::OpenExisting(a.database);
-  if (!store) return tl::unexpected(store.error());
-  const auto users = store->Users();
-  if (!users) return tl::unexpected(users.error());
+  const auto store = TRY(AccessStore::OpenExisting(a.database));
+  const auto users = TRY(store.Users());
   std::string text;
   nlohmann::json list = nlohmann::json::array();
-  for (const StoredUser& user : *users) {
+  for (const StoredUser& user : users) {
     text += fmt::format("{:24}{}\n", user.name, user.role);
     list.push_back({{"name", user.name}, {"role", user.role}, {"since_s", user.since}});
   }
@@ -112,13 +103,11 @@ Status ListUsers(const UsersArguments& a) {
 }
 
 Status ShowAudit(const UsersArguments& a) {
-  const auto store = AccessStore::OpenExisting(a.database);
-  if (!store) return tl::unexpected(store.error());
-  const auto rows = store->Audit(kAuditRowsShown);
-  if (!rows) return tl::unexpected(rows.error());
+  const auto store = TRY(AccessStore::OpenExisting(a.database));
+  const auto rows = TRY(store.Audit(kAuditRowsShown));
   std::string text;
   nlohmann::json list = nlohmann::json::array();
-  for (auto row = rows->rbegin(); row != rows->rend(); ++row) {
+  for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
     text += fmt::format("{}  {} {} {} {} {}\n", LocalTimeText(row->wall), row->user.empty() ? "-" : row->user,
                         row->from.empty() ? "here" : row->from, row->what, Printable(row->detail),
                         Printable(row->outcome));

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <tl/expected.hpp>
+#include <type_traits>
 #include <utility>
 
 namespace hydroscope {
@@ -25,6 +26,27 @@ struct Error {
 template <typename T>
 using Result = tl::expected<T, Error>;
 using Status = tl::expected<void, Error>;
+
+/// What an expected holds, if anything.
+template <typename T, typename E>
+T ValueHeld(const tl::expected<T, E>& expected) {
+  if constexpr (!std::is_void_v<T>) return *expected;
+}
+template <typename T, typename E>
+T ValueHeld(tl::expected<T, E>&& expected) {
+  if constexpr (!std::is_void_v<T>) return *std::move(expected);
+}
+
+/// The value of a Result; if it is an error, the function returns it. Stands alone, as an initialiser or on the right of `=`:
+///   TRY(CheckPort(port));
+///   const Machine machine = TRY(LoadMachine(path));
+/// A statement expression, which GCC and clang know: not inside another expression, whose temporaries it may leave behind.
+#define TRY(...)                                                                                    \
+  ({                                                                                                \
+    auto&& tried_here = (__VA_ARGS__);                                                              \
+    if (!tried_here) return tl::unexpected(std::forward<decltype(tried_here)>(tried_here).error()); \
+    hydroscope::ValueHeld(std::forward<decltype(tried_here)>(tried_here));                          \
+  })
 
 template <typename... Args>
 tl::unexpected<Error> BadInput(fmt::format_string<Args...> format, Args&&... args) {

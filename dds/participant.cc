@@ -298,14 +298,13 @@ std::uint64_t DdsPeerId(const SampleInfo& sample) {
 
 Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork& network,
                                                                const std::string& name) {
-  if (const Status status = CheckAddresses(network); !status) return tl::unexpected(status.error());
-  if (const Status status = CheckDiscoveryPort(network); !status) return tl::unexpected(status.error());
+  TRY(CheckAddresses(network));
+  TRY(CheckDiscoveryPort(network));
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   qos.name(name.c_str());
   std::string without_shared_memory;
-  if (const Status status = AddTransports(network, qos, without_shared_memory); !status)
-    return tl::unexpected(status.error());
-  if (const Status status = AddSecurity(network, qos); !status) return tl::unexpected(status.error());
+  TRY(AddTransports(network, qos, without_shared_memory));
+  TRY(AddSecurity(network, qos));
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = Seconds(1);
   discovery.leaseDuration_announcementperiod = Seconds(0.25);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stroke_gram.h"
+#include "core/records/stroke_gram.h"
 #include "estimation/gram_fit.h"
 #include "estimation/span_equations.h"
 #include "models/effect.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
-#include "core/stroke_gram.h"
+#include "core/records/estimate.h"
+#include "core/records/stroke_gram.h"
 #include "core/told.h"
 #include "estimation/normal_equations.h"
 #include "estimation/span_equations.h"

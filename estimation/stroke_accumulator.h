@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "core/stroke_gram.h"
+#include "core/records/stroke_gram.h"
 #include "estimation/span_equations.h"
 
 namespace hydroscope {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/records.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
 #include "estimation/span_equations.h"
 #include "estimation/stroke_conditions.h"
 #include "models/episode_marker.h"

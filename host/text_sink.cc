@@ -88,10 +88,9 @@ Status TextSink::Close() {
 }
 
 Status WriteTextFile(const std::string& path, std::string_view text) {
-  auto sink = TextSink::Open(path);
-  if (!sink) return tl::unexpected(sink.error());
-  sink->Write(text);
-  return sink->Close();
+  auto sink = TRY(TextSink::Open(path));
+  sink.Write(text);
+  return sink.Close();
 }
 
 }  // namespace hydroscope

@@ -24,13 +24,13 @@ void Append(const SampleBlock& from, SampleBlock& to) {
 Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared_ptr<const LiveModel> model,
                                                            ColumnPacker& packer) {
   std::unique_ptr<AxisPipeline> made(new AxisPipeline(axis, std::move(model), packer));
-  if (const Status built = made->Build(); !built) return tl::unexpected(built.error());
+  TRY(made->Build());
   return made;
 }
 
 Status AxisPipeline::Build() {
   const Machine& machine = model_->machine;
-  auto pipeline = Pipeline::Create(machine, machine.live->grid_period, [this](StrokeRecord&& record) {
+  auto pipeline = TRY(Pipeline::Create(machine, machine.live->grid_period, [this](StrokeRecord&& record) {
     last_ = {record.summary, {}, record.estimates};
     ++strokes_;
     if (record.estimates.empty() && InEpisodes(KindOf(model_->machine)))
@@ -39,9 +39,8 @@ Status AxisPipeline::Build() {
                                               {"why", SilentEpisode(model_->machine)}});
     step_.strokes.push_back(std::move(record));
     step_.pipeline_state = pipeline_->SaveState();
-  });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  pipeline_ = std::move(*pipeline);
+  }));
+  pipeline_ = std::move(pipeline);
   monitor_ = std::make_unique<QualityMonitor>(machine, machine.live->grid_period);
   rows_taken_ = 0;
   return {};
@@ -94,7 +93,7 @@ Result<std::vector<WriteItem>> AxisPipeline::BeginNewRun(std::shared_ptr<const L
   if (!next) return tl::unexpected(next.error());
   std::vector<WriteItem> items = Finish(sender_marks);
   model_ = std::move(model);
-  if (const Status built = Build(); !built) return tl::unexpected(built.error());
+  TRY(Build());
   if (const Status restored = RestoreState(items.back().state); !restored)
     LogWarning("estimator_starts_anew",
                {{"axis", AxisMachineName(model_->machine, axis_)}, {"why", restored.error().text}});

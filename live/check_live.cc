@@ -98,10 +98,8 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
   std::vector<Range> ranges(static_cast<std::size_t>(axes) * signals);
   auto sources = factory(machine, clock);
   for (std::size_t i = 0; i < sources.size(); ++i)
-    if (const Status started = sources[i]->Start(
-            [&inbox, i](SampleBatch&& batch) { inbox.Push(static_cast<int>(i), std::move(batch)); });
-        !started)
-      return tl::unexpected(started.error());
+    TRY(sources[i]->Start(
+        [&inbox, i](SampleBatch&& batch) { inbox.Push(static_cast<int>(i), std::move(batch)); }));
   HostTime now = start;
   std::vector<std::int64_t> first(ranges.size());  // ns, first batch of each channel: rates count from there
   SampleBlock block;

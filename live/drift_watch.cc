@@ -107,10 +107,9 @@ void DriftWatch::Run() {
 }
 
 Status DriftWatch::Look(HostTime now) {
-  if (const Status ticked = press_->Tick(Wall(now)); !ticked) return ticked;
+  TRY(press_->Tick(Wall(now)));
   const LiveStatus live = inputs_.status();
-  for (int a = 0; a < press_->axis_count(); ++a)
-    if (const Status looked = LookAtAxis(a, live, now); !looked) return looked;
+  for (int a = 0; a < press_->axis_count(); ++a) TRY(LookAtAxis(a, live, now));
   return {};
 }
 
@@ -122,17 +121,14 @@ Status DriftWatch::LookAtAxis(int index, const LiveStatus& live, HostTime now) {
   const bool idle = Seconds(now.monotonic_ns - axis.changed) > kIdle;
   const bool checked = inputs_.checked_axis() == index;
   if (idle != axis.idle) {
-    if (const Status set = press_->axis(index).SetSuppression(kSuppressedIdle, idle, Wall(now)); !set)
-      return set;
+    TRY(press_->axis(index).SetSuppression(kSuppressedIdle, idle, Wall(now)));
     axis.idle = idle;
   }
   if (checked != axis.checked) {
-    if (const Status set = press_->axis(index).SetSuppression(kSuppressedValveCheck, checked, Wall(now));
-        !set)
-      return set;
+    TRY(press_->axis(index).SetSuppression(kSuppressedValveCheck, checked, Wall(now)));
     axis.checked = checked;
   }
-  if (const Status told = LookForSecondSender(index, live, now); !told) return told;
+  TRY(LookForSecondSender(index, live, now));
   return LookForSilence(index, live, now);
 }
 

@@ -64,18 +64,16 @@ Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) 
   if (!text)
     return BadInput("{}: cannot be read; give a machine file, for example machines/press_live.toml", path);
   model->text = std::move(*text);
-  auto machine = ParseMachine(model->text, path);
-  if (!machine) return tl::unexpected(machine.error());
-  if (!machine->live)
+  auto machine = TRY(ParseMachine(model->text, path));
+  if (!machine.live)
     return BadInput(
         "{}: there is no [live] section, so nothing tells where live samples come from; "
         "machines/press_live.toml shows one",
         path);
-  model->machine = std::move(*machine);
-  const auto structure = BuildModel(model->machine);
-  if (!structure) return tl::unexpected(structure.error());
-  model->columns = (*structure)->ColumnNames();
-  model->conditions = (*structure)->ConditionNames();
+  model->machine = std::move(machine);
+  const auto structure = TRY(BuildModel(model->machine));
+  model->columns = structure->ColumnNames();
+  model->conditions = structure->ConditionNames();
   return std::shared_ptr<const LiveModel>(std::move(model));
 }
 
@@ -85,16 +83,14 @@ namespace {
 Result<std::shared_ptr<const LiveModel>> WithPromoted(const std::shared_ptr<const LiveModel>& model,
                                                       const Database& database, const std::string& path,
                                                       std::int64_t id) {
-  auto promoted = PromotedFor(database, path, id, model->machine, model->text);
-  if (!promoted) return tl::unexpected(promoted.error());
-  if (!*promoted) return model;
+  auto promoted = TRY(PromotedFor(database, path, id, model->machine, model->text));
+  if (!promoted) return model;
   auto taken = std::make_shared<LiveModel>();
-  taken->text = std::move((*promoted)->text);
-  taken->machine = std::move((*promoted)->machine);
-  const auto structure = BuildModel(taken->machine);
-  if (!structure) return tl::unexpected(structure.error());
-  taken->columns = (*structure)->ColumnNames();
-  taken->conditions = (*structure)->ConditionNames();
+  taken->text = std::move(promoted->text);
+  taken->machine = std::move(promoted->machine);
+  const auto structure = TRY(BuildModel(taken->machine));
+  taken->columns = structure->ColumnNames();
+  taken->conditions = structure->ConditionNames();
   return std::shared_ptr<const LiveModel>(std::move(taken));
 }
 
@@ -127,28 +123,24 @@ LiveService::LiveService(const LiveOptions& options, std::shared_ptr<const LiveM
 Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& options, SourceFactory sources,
                                                          Clock clock, Heartbeat heartbeat,
                                                          LiveWriter::Acknowledged acknowledged) {
-  const auto model = LoadLiveModel(options.machine_file);
-  if (!model) return tl::unexpected(model.error());
-  auto database = Database::Open(options.database);
-  if (!database) return tl::unexpected(database.error());
+  const auto model = TRY(LoadLiveModel(options.machine_file));
+  auto database = TRY(Database::Open(options.database));
   std::unique_ptr<LiveService> service(
-      new LiveService(options, *model, std::move(sources), clock, std::move(heartbeat)));
+      new LiveService(options, model, std::move(sources), clock, std::move(heartbeat)));
   std::vector<LiveWriter::Axis> axes;
-  for (int a = 0; a < AxisCount((*model)->machine); ++a) {
+  for (int a = 0; a < AxisCount(model->machine); ++a) {
     std::vector<std::uint8_t> marks;
-    auto axis = service->OpenAxis(*database, a, marks);
-    if (!axis) return tl::unexpected(axis.error());
-    const auto promoted = database->PromotedModel(axis->machine);
-    if (!promoted) return tl::unexpected(promoted.error());
-    service->promotions_[a] = *promoted ? (*promoted)->version : 0;
-    axes.push_back(std::move(*axis));
+    auto axis = TRY(service->OpenAxis(database, a, marks));
+    const auto promoted = TRY(database.PromotedModel(axis.machine));
+    service->promotions_[a] = promoted ? promoted->version : 0;
+    axes.push_back(std::move(axis));
     service->aligner_->RestoreMarks(a, marks);
   }
   std::vector<std::string> signals;
-  for (const SignalSpec& signal : (*model)->machine.signals) signals.push_back(signal.name);
+  for (const SignalSpec& signal : model->machine.signals) signals.push_back(signal.name);
   service->writer_ =
-      std::make_unique<LiveWriter>(std::move(*database), options.database, std::move(signals),
-                                   std::move(axes), options.writer, clock, std::move(acknowledged));
+      std::make_unique<LiveWriter>(std::move(database), options.database, std::move(signals), std::move(axes),
+                                   options.writer, clock, std::move(acknowledged));
   return service;
 }
 
@@ -157,49 +149,41 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
                                                std::vector<std::uint8_t>& marks) {
   LiveWriter::Axis opened;
   opened.name = AxisMachineName(model_->machine, axis);
-  const auto machine = database.MachineId(opened.name);
-  if (!machine) return tl::unexpected(machine.error());
-  opened.machine = *machine;
-  const auto promoted = WithPromoted(model_, database, options_.database, *machine);
+  const auto machine = TRY(database.MachineId(opened.name));
+  opened.machine = machine;
+  const auto promoted = WithPromoted(model_, database, options_.database, machine);
   if (!promoted) LogError("promoted_model_not_used", {{"axis", opened.name}, {"why", promoted.error().text}});
   opened.model = promoted.value_or(model_);
-  auto pipeline = AxisPipeline::Create(axis, opened.model, packer_);
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  const auto newest = database.NewestRun(*machine);
-  if (!newest) return tl::unexpected(newest.error());
-  if (*newest && IsLive((*newest)->run)) {
-    marks = (*newest)->sender_marks;
-    if (!(*newest)->run.complete) {
-      std::vector<std::uint8_t> state = (*newest)->pipeline_state;
+  auto pipeline = TRY(AxisPipeline::Create(axis, opened.model, packer_));
+  const auto newest = TRY(database.NewestRun(machine));
+  if (newest && IsLive(newest->run)) {
+    marks = newest->sender_marks;
+    if (!newest->run.complete) {
+      std::vector<std::uint8_t> state = newest->pipeline_state;
       if (state.empty())
-        if (const auto before = database.PipelineStateBefore((*newest)->run.id); before && *before)
+        if (const auto before = database.PipelineStateBefore(newest->run.id); before && *before)
           state = **before;
-      if (state.empty()) state = (*pipeline)->SaveState();
+      if (state.empty()) state = pipeline->SaveState();
       RunSummary summary;
-      summary.rows = (*newest)->rows_taken;
+      summary.rows = newest->rows_taken;
       summary.stopped = "the service ended without notice; what was acknowledged is stored";
-      if (const Status ended = database.FinishRun((*newest)->run.id, FormatRunSummary(summary), state);
-          !ended)
-        return tl::unexpected(ended.error());
+      TRY(database.FinishRun(newest->run.id, FormatRunSummary(summary), state));
       LogWarning("run_recovered", {{"axis", opened.name},
-                                   {"run", std::to_string((*newest)->run.id)},
-                                   {"strokes", std::to_string((*newest)->run.strokes)}});
+                                   {"run", std::to_string(newest->run.id)},
+                                   {"strokes", std::to_string(newest->run.strokes)}});
     }
   }
-  const auto version = VersionFor(
-      database, *machine, {1, opened.model->text, opened.model->columns, 0, opened.model->conditions});
-  if (!version) return tl::unexpected(version.error());
-  const auto run = database.BeginRun(*machine, *version, kLiveSource,
-                                     fmt::format("live/{}/{}", opened.name, start_.wall_ns));
-  if (!run) return tl::unexpected(run.error());
-  opened.run = run->id;
-  const auto state = database.PipelineStateBefore(run->id);
-  if (!state) return tl::unexpected(state.error());
-  if (*state)
-    if (const Status restored = (*pipeline)->RestoreState(**state); !restored)
+  const auto version = TRY(VersionFor(
+      database, machine, {1, opened.model->text, opened.model->columns, 0, opened.model->conditions}));
+  const auto run = TRY(database.BeginRun(machine, version, kLiveSource,
+                                         fmt::format("live/{}/{}", opened.name, start_.wall_ns)));
+  opened.run = run.id;
+  const auto state = TRY(database.PipelineStateBefore(run.id));
+  if (state)
+    if (const Status restored = pipeline->RestoreState(*state); !restored)
       LogWarning("estimator_starts_anew", {{"axis", opened.name}, {"why", restored.error().text}});
   auto made = std::make_unique<AxisState>();
-  made->pipeline = std::move(*pipeline);
+  made->pipeline = std::move(pipeline);
   made->model = opened.model;
   made->run_begun = made->stored = start_.monotonic_ns;
   axes_.push_back(std::move(made));
@@ -213,10 +197,8 @@ Status LiveService::Start() {
   UpdateStatus(clock_());
   thread_ = std::thread([this] { Run(); });
   for (std::size_t i = 0; i < sources_.size(); ++i)
-    if (const Status started = sources_[i]->Start(
-            [this, i](SampleBatch&& batch) { inbox_.Push(static_cast<int>(i), std::move(batch)); });
-        !started)
-      return started;
+    TRY(sources_[i]->Start(
+        [this, i](SampleBatch&& batch) { inbox_.Push(static_cast<int>(i), std::move(batch)); }));
   return {};
 }
 
@@ -334,19 +316,16 @@ Result<bool> LiveService::TakeModels(bool limits_changed) {
     std::lock_guard lock(status_mutex_);
     present = reloaded_ ? reloaded_ : model_;
   }
-  auto database = Database::OpenReadOnly(options_.database);
-  if (!database) return tl::unexpected(database.error());
+  auto database = TRY(Database::OpenReadOnly(options_.database));
   bool changed = false;
   for (int a = 0; a < AxisCount(present->machine); ++a) {
     const std::string name = AxisMachineName(present->machine, a);
-    const auto id = database->MachineId(name);
-    if (!id) return tl::unexpected(id.error());
-    const auto promoted = database->PromotedModel(*id);
-    if (!promoted) return tl::unexpected(promoted.error());
-    const int version = *promoted ? (*promoted)->version : 0;
+    const auto id = TRY(database.MachineId(name));
+    const auto promoted = TRY(database.PromotedModel(id));
+    const int version = promoted ? promoted->version : 0;
     const bool promoted_anew = std::exchange(promotions_[a], version) != version;
     if (!promoted_anew && !limits_changed) continue;
-    auto model = WithPromoted(present, *database, options_.database, *id);
+    auto model = WithPromoted(present, database, options_.database, id);
     if (!model) {
       LogError("promoted_model_not_used", {{"axis", name}, {"why", model.error().text}});
       continue;

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "alarms/feeds/modbus/register_map.h"
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "core/registers.h"
 #include "core/told_error.h"
 
@@ -76,13 +76,12 @@ Result<ScadaClient> ScadaClient::Connect(const std::string& host, int port) {
   if (client.link_->Connect() != LinkOutcome::kDone)
     return BadInput("{}; does `hydroscope serve` run with [feeds.modbus] in its machine file?",
                     client.link_->problem().english);
-  const auto head = client.Read(0, kHeadSize);
-  if (!head) return tl::unexpected(head.error());
-  if ((*head)[kMagic] != kMagic0 || (*head)[kMagic + 1] != kMagic1)
+  const auto head = TRY(client.Read(0, kHeadSize));
+  if (head[kMagic] != kMagic0 || head[kMagic + 1] != kMagic1)
     return BadInput("{}:{} answers, but not with Hydroscope's register map", host, port);
-  if ((*head)[kMapVersion] != kVersion)
+  if (head[kMapVersion] != kVersion)
     return BadInput("{}:{} has version {} of the register map, this program knows version {}", host, port,
-                    (*head)[kMapVersion], kVersion);
+                    head[kMapVersion], kVersion);
   return client;
 }
 
@@ -99,21 +98,17 @@ Result<ScadaClient::Words> ScadaClient::Read(int first, int count) {
 }
 
 Result<std::vector<ScadaAxis>> ScadaClient::Axes() {
-  const auto head = Read(0, kHeadSize);
-  if (!head) return tl::unexpected(head.error());
+  const auto head = TRY(Read(0, kHeadSize));
   std::vector<ScadaAxis> axes;
-  for (int a = 0; a < (*head)[kAxes]; ++a) {
-    const auto words = Read(kFirstAxis + a * kAxisStride, kAxisStride);
-    if (!words) return tl::unexpected(words.error());
-    const auto detail = Read(kFirstHealth + a * kHealthStride, kHealthStride);
-    if (!detail) return tl::unexpected(detail.error());
-    ScadaAxis axis{Text(*words, kAxisName, 8), HealthOf((*words)[kHealth], *detail), (*words)[kStrokeAge],
-                   Whole(*words, kStrokes),    Float(*words, kOilTemperature),       {}};
-    for (int p = 0; p < std::min<int>((*words)[kParameters], kMostParameters); ++p) {
+  for (int a = 0; a < head[kAxes]; ++a) {
+    const auto words = TRY(Read(kFirstAxis + a * kAxisStride, kAxisStride));
+    const auto detail = TRY(Read(kFirstHealth + a * kHealthStride, kHealthStride));
+    ScadaAxis axis{Text(words, kAxisName, 8), HealthOf(words[kHealth], detail), words[kStrokeAge],
+                   Whole(words, kStrokes),    Float(words, kOilTemperature),    {}};
+    for (int p = 0; p < std::min<int>(words[kParameters], kMostParameters); ++p) {
       const int at = kFirstParameter + p * kParameterStride;
-      axis.parameters.push_back({Text(*words, at + kParameterName, 8), Float(*words, at + kValue),
-                                 Float(*words, at + kStd),
-                                 (*words)[static_cast<std::size_t>(at + kQuality)]});
+      axis.parameters.push_back({Text(words, at + kParameterName, 8), Float(words, at + kValue),
+                                 Float(words, at + kStd), words[static_cast<std::size_t>(at + kQuality)]});
     }
     axes.push_back(std::move(axis));
   }
@@ -121,27 +116,23 @@ Result<std::vector<ScadaAxis>> ScadaClient::Axes() {
 }
 
 Result<std::vector<ScadaAlarm>> ScadaClient::Alarms() {
-  const auto head = Read(0, kHeadSize);
-  if (!head) return tl::unexpected(head.error());
+  const auto head = TRY(Read(0, kHeadSize));
   std::vector<ScadaAlarm> alarms;
-  for (int number = 1; number <= std::min<int>((*head)[kAlarms], kMostAlarms); ++number) {
-    const auto words = Read(kFirstAlarm + (number - 1) * kAlarmStride, kAlarmStride);
-    if (!words) return tl::unexpected(words.error());
-    const std::uint16_t state = (*words)[kState];
+  for (int number = 1; number <= std::min<int>(head[kAlarms], kMostAlarms); ++number) {
+    const auto words = TRY(Read(kFirstAlarm + (number - 1) * kAlarmStride, kAlarmStride));
+    const std::uint16_t state = words[kState];
     if (state == 0) continue;
-    alarms.push_back({number, (*words)[kAlarmAxis], Text(*words, kAlarmName, 16),
-                      std::string(Coded(kStateCodes, state)),
-                      SeverityName(static_cast<AlarmSeverity>(std::min<int>((*words)[kSeverity], 3))),
-                      Whole(*words, kRaised), Float(*words, kAlarmValue), Float(*words, kAlarmStd),
-                      Float(*words, kAlarmLimit)});
+    alarms.push_back(
+        {number, words[kAlarmAxis], Text(words, kAlarmName, 16), std::string(Coded(kStateCodes, state)),
+         SeverityName(static_cast<AlarmSeverity>(std::min<int>(words[kSeverity], 3))), Whole(words, kRaised),
+         Float(words, kAlarmValue), Float(words, kAlarmStd), Float(words, kAlarmLimit)});
   }
   return alarms;
 }
 
 Result<std::vector<ScadaRow>> ScadaClient::NewRows() {
-  const auto head = Read(0, kHeadSize);
-  if (!head) return tl::unexpected(head.error());
-  const std::int64_t newest = Whole(*head, kNewest), oldest = Whole(*head, kOldest);
+  const auto head = TRY(Read(0, kHeadSize));
+  const std::int64_t newest = Whole(head, kNewest), oldest = Whole(head, kOldest);
   std::vector<ScadaRow> rows;
   if (newest == 0) return rows;
   if (next_ == 0) next_ = oldest;
@@ -149,10 +140,9 @@ Result<std::vector<ScadaRow>> ScadaClient::NewRows() {
     const auto record = static_cast<int>(next_ % kRingRecords);
     const auto count = static_cast<int>(
         std::min<std::int64_t>({newest - next_ + 1, kRingRecords - record, kMostRead / kRecordWidth}));
-    const auto words = Read(kFirstRecord + record * kRecordWidth, count * kRecordWidth);
-    if (!words) return tl::unexpected(words.error());
+    const auto words = TRY(Read(kFirstRecord + record * kRecordWidth, count * kRecordWidth));
     for (int k = 0; k < count; ++k, ++next_) {
-      ScadaRow row = RowOf(Part(*words, k * kRecordWidth, kRecordWidth));
+      ScadaRow row = RowOf(Part(words, k * kRecordWidth, kRecordWidth));
       // A record that was overwritten meanwhile bears another number: never taken for the one expected.
       if (row.sequence == next_)
         rows.push_back(std::move(row));
@@ -172,9 +162,8 @@ Result<bool> ScadaClient::Acknowledge(int number) {
   if (outcome != LinkOutcome::kDone) return BadInput(link_->problem());
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kOutcomePatience);
   while (std::chrono::steady_clock::now() < end) {
-    const auto words = Read(kAcknowledge, 2);
-    if (!words) return tl::unexpected(words.error());
-    switch ((*words)[0] == number ? (*words)[1] : std::uint16_t{kAsked}) {
+    const auto words = TRY(Read(kAcknowledge, 2));
+    switch (words[0] == number ? words[1] : std::uint16_t{kAsked}) {
       case kAcknowledged:
         return true;
       case kNothingToAcknowledge:

@@ -71,14 +71,11 @@ void ServiceWatch::BegunAnew(const Told& why, double wall) {
 /// Nothing is written while nothing changes.
 Status ServiceWatch::Observe(const std::string& alarm, const ServiceTrouble& trouble, double wall) {
   if (!journal_) {
-    auto opened = AlarmJournal::OpenExisting(journal_path_);
-    if (!opened) return tl::unexpected(opened.error());
-    journal_ = std::move(*opened);
+    journal_ = TRY(AlarmJournal::OpenExisting(journal_path_));
   }
   const bool on = IsTrouble(trouble.reason);
-  const auto content = journal_->Axis(press_);
-  if (!content) return tl::unexpected(content.error());
-  if (Stands(*content, alarm) == on) return {};
+  const auto content = TRY(journal_->Axis(press_));
+  if (Stands(content, alarm) == on) return {};
   return journal_->Change(press_, wall, [&](AxisContent& press) -> Status {
     AlarmMoment now;
     now.wall = wall;

@@ -11,7 +11,7 @@
 
 #include "acquisition/modbus/valve_request.h"
 #include "core/clock.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "core/told.h"
 #include "live/live_service.h"
 #include "models/machine.h"

@@ -14,42 +14,32 @@ namespace {
 Result<std::vector<StrokeRecord>> ReplayRun(const std::string& path, const Database& database,
                                             std::int64_t machine_id, const RunInfo& run,
                                             const RawExtent& extent) {
-  const auto model = database.GetModelVersion(machine_id, run.model_version);
-  if (!model) return tl::unexpected(model.error());
+  const auto model = TRY(database.GetModelVersion(machine_id, run.model_version));
   const auto machine =
-      ParseMachine(model->definition, fmt::format("{}: model version {}", path, run.model_version));
-  if (!machine) return tl::unexpected(machine.error());
-  auto reader = OpenRawRun(path, run.id, extent.first, extent.last, *machine);
-  if (!reader) return tl::unexpected(reader.error());
+      TRY(ParseMachine(model.definition, fmt::format("{}: model version {}", path, run.model_version)));
+  auto reader = TRY(OpenRawRun(path, run.id, extent.first, extent.last, machine));
   std::vector<StrokeRecord> strokes;
-  auto pipeline = Pipeline::Create(*machine, (*reader)->SamplePeriod(),
-                                   [&](StrokeRecord&& record) { strokes.push_back(std::move(record)); });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  const auto state = database.PipelineStateBefore(run.id);
-  if (!state) return tl::unexpected(state.error());
-  if (*state)
-    static_cast<void>((*pipeline)->RestoreState(**state));  // as the service: anew if it does not fit
+  auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(),
+                                       [&](StrokeRecord&& record) { strokes.push_back(std::move(record)); }));
+  const auto state = TRY(database.PipelineStateBefore(run.id));
+  if (state) static_cast<void>(pipeline->RestoreState(*state));  // as the service: anew if it does not fit
   LogPassHooks as_live;
   as_live.distrust_logger = false;
-  const auto pass = PassLog(**reader, *machine, pipeline->get(), fmt::format("run {}", run.id), as_live);
-  if (!pass) return tl::unexpected(pass.error());
-  if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
+  const auto pass = TRY(PassLog(*reader, machine, pipeline.get(), fmt::format("run {}", run.id), as_live));
+  if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
   return strokes;
 }
 
 }  // namespace
 
 Result<std::vector<VerifiedRun>> VerifyLive(const std::string& path) {
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto names = database->MachineNames();
-  if (!names) return tl::unexpected(names.error());
+  auto database = TRY(Database::OpenReadOnly(path));
+  const auto names = TRY(database.MachineNames());
   std::vector<VerifiedRun> verified;
-  for (const std::string& name : *names) {
-    const auto machine = database->MachineId(name);
-    if (!machine) return tl::unexpected(machine.error());
-    const auto runs = database->Runs(*machine);
-    const auto extents = database->RawExtents(*machine);
+  for (const std::string& name : names) {
+    const auto machine = TRY(database.MachineId(name));
+    const auto runs = database.Runs(machine);
+    const auto extents = database.RawExtents(machine);
     if (!runs) return tl::unexpected(runs.error());
     if (!extents) return tl::unexpected(extents.error());
     for (const RunInfo& run : *runs) {
@@ -68,9 +58,8 @@ Result<std::vector<VerifiedRun>> VerifyLive(const std::string& path) {
         continue;
       }
       result.rows = extent->rows;
-      const auto strokes = ReplayRun(path, *database, *machine, run, *extent);
-      if (!strokes) return tl::unexpected(strokes.error());
-      if (const Status same = database->CompareStrokes(run.id, *strokes); !same) {
+      const auto strokes = TRY(ReplayRun(path, database, machine, run, *extent));
+      if (const Status same = database.CompareStrokes(run.id, strokes); !same) {
         result.outcome = VerifiedRun::Outcome::kDiffers;
         result.detail = same.error().text;
       }

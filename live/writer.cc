@@ -221,7 +221,7 @@ Status LiveWriter::StoreSteps() {
     for (PackedStroke& stroke : item.step.strokes) stroke.summary.index = index++;
     steps.push_back({axis.run, &item.step});
   }
-  if (const Status stored = database_->StoreLive(steps, signals_, options_.raw); !stored) return stored;
+  TRY(database_->StoreLive(steps, signals_, options_.raw));
   ++not_checkpointed_;
   stroke_stored_ = false;
   for (const WriteItem& item : current_) {
@@ -336,9 +336,8 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
   auto opened = damaged || !found ? Result<Database>(tl::unexpected(Error{})) : Database::Open(path_);
   std::string kept;
   if (!opened) {
-    auto aside = SetAside(path_, Seconds(clock_().wall_ns));
-    if (!aside) return tl::unexpected(aside.error());
-    if (found) kept = *aside;
+    auto aside = TRY(SetAside(path_, Seconds(clock_().wall_ns)));
+    if (found) kept = aside;
     opened = Database::Open(path_);
   }
   if (!opened) return tl::unexpected(opened.error());
@@ -367,12 +366,10 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
 /// Runs for what waits: their rows do not begin with the first one, so that no replay can check them. Proper
 /// ones follow as soon as the pipelines begin theirs (TakeBroken).
 Status LiveWriter::BeginRuns() {
-  if (const Status left = database_->LeaveCheckpointsToPauses(); !left) return left;
+  TRY(database_->LeaveCheckpointsToPauses());
   for (Axis& axis : axes_) {
-    const auto machine = database_->MachineId(axis.name);
-    if (!machine) return tl::unexpected(machine.error());
-    axis.machine = *machine;
-    if (const Status begun = BeginRun(axis, kBegunAnew); !begun) return begun;
+    axis.machine = TRY(database_->MachineId(axis.name));
+    TRY(BeginRun(axis, kBegunAnew));
   }
   return {};
 }
@@ -402,14 +399,12 @@ bool LiveWriter::DiskHasRoom() {
 
 /// `ending` of the run's fingerprint.
 Status LiveWriter::BeginRun(Axis& axis, const char* ending) {
-  const auto version = VersionFor(*database_, axis.machine,
-                                  {1, axis.model->text, axis.model->columns, 0, axis.model->conditions});
-  if (!version) return tl::unexpected(version.error());
-  const auto run = database_->BeginRun(axis.machine, *version, kLiveSource,
-                                       fmt::format("live/{}/{}{}", axis.name, clock_().wall_ns, ending));
-  if (!run) return tl::unexpected(run.error());
-  axis.run = run->id;
-  axis.strokes = run->strokes;
+  const auto version = TRY(VersionFor(*database_, axis.machine,
+                                      {1, axis.model->text, axis.model->columns, 0, axis.model->conditions}));
+  const auto run = TRY(database_->BeginRun(axis.machine, version, kLiveSource,
+                                           fmt::format("live/{}/{}{}", axis.name, clock_().wall_ns, ending)));
+  axis.run = run.id;
+  axis.strokes = run.strokes;
   return {};
 }
 
@@ -420,11 +415,11 @@ Status LiveWriter::Execute(WriteItem& item) {
     case WriteItem::Kind::kStep:
       break;
     case WriteItem::Kind::kEndRun:
-      if (const Status ended = database_->FinishRun(axis.run, item.summary, item.state); !ended) return ended;
+      TRY(database_->FinishRun(axis.run, item.summary, item.state));
       break;
     case WriteItem::Kind::kBeginRun: {
       axis.model = item.model;
-      if (const Status begun = BeginRun(axis, ""); !begun) return begun;
+      TRY(BeginRun(axis, ""));
       break;
     }
   }

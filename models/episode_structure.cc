@@ -16,9 +16,8 @@ struct FollowedQuantities {
 };
 
 Result<FollowedQuantities> OfStates(const Machine& machine) {
-  const auto built = BuildStateModel(machine, machine.added_effects);
-  if (!built) return tl::unexpected(built.error());
-  const StateModel& states = **built;
+  const auto built = TRY(BuildStateModel(machine, machine.added_effects));
+  const StateModel& states = *built;
   if (states.parameters.empty())
     return BadInput(
         Tell("machine '{}': nothing is identified; name what is in [parameters]",
@@ -46,25 +45,24 @@ FollowedQuantities OfClosedLoop(const Machine& machine) {
 }  // namespace
 
 Result<std::shared_ptr<ModelStructure>> BuildEpisodeStructure(const Machine& machine) {
-  const auto followed = KindOf(machine).has_states ? OfStates(machine) : OfClosedLoop(machine);
-  if (!followed) return tl::unexpected(followed.error());
+  const auto followed = TRY(KindOf(machine).has_states ? OfStates(machine) : OfClosedLoop(machine));
   const Column::Fill nothing = [](const Stretch&, double&, std::span<double> values) {
     std::fill(values.begin(), values.end(), 0.0);
   };
   auto model = std::make_shared<ModelStructure>();
   model->output_unit = std::string(OutputSi(machine));
   model->level_form = true;
-  model->base_count = static_cast<int>(followed->names.size());
-  model->parameters = followed->names;
-  for (const std::string& name : followed->names) model->columns.push_back({name, nothing});
+  model->base_count = static_cast<int>(followed.names.size());
+  model->parameters = followed.names;
+  for (const std::string& name : followed.names) model->columns.push_back({name, nothing});
   model->columns.push_back({"output", nothing});
   for (std::size_t s = 0; s < machine.signals.size(); ++s) {
     model->channel_names.push_back(machine.signals[s].name);
     model->channel_source.push_back(static_cast<int>(s));
   }
-  model->needed_signals = followed->inputs;
+  model->needed_signals = followed.inputs;
   model->derive_channels = [](Stretch&) {};
-  model->derive = [names = followed->names, units = followed->units](const Eigen::VectorXd& theta) {
+  model->derive = [names = followed.names, units = followed.units](const Eigen::VectorXd& theta) {
     std::vector<DerivedParameter> out;
     for (std::size_t p = 0; p < names.size(); ++p) {
       const auto at = static_cast<Eigen::Index>(p);

@@ -68,31 +68,30 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
 }  // namespace
 
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
-  const auto model = BuildKind(machine);
-  if (!model) return tl::unexpected(model.error());
-  if (machine.estimator.equation == EquationForm::kPublished && !(*model)->published)
+  const auto model = TRY(BuildKind(machine));
+  if (machine.estimator.equation == EquationForm::kPublished && !model->published)
     return BadInput(Tell(
         "machine '{}': nothing was published of model {} that equation = \"published\" "
         "in [estimator] could mean; leave it out",
         "Maschine '{}': vom Modell {} wurde nichts veröffentlicht, was equation = \"published\" in [estimator] meinen "
         "könnte; es weglassen",
-        machine.name, (*model)->name));
+        machine.name, model->name));
   // The parameters of a model with states hold those of its effects.
   const std::size_t effects = KindOf(machine).has_states ? 0 : machine.added_effects.size();
-  if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
+  if (static_cast<std::size_t>(model->base_count) + effects > kMaxParameters)
     return BadInput(Tell(
         "machine '{}': {} parameters and {} added effects, at most {} can be fitted at once: take an effect "
         "out with 'hydroscope model remove'",
         "Maschine '{}': {} Parameter und {} hinzugefügte Effekte, höchstens {} lassen sich zusammen bestimmen: einen "
         "Effekt mit 'hydroscope model remove' herausnehmen",
-        machine.name, (*model)->base_count, effects, kMaxParameters));
-  if ((*model)->conditions.size() > kMaxConditions)
+        machine.name, model->base_count, effects, kMaxParameters));
+  if (model->conditions.size() > kMaxConditions)
     return BadInput(Tell(
         "machine '{}': {} conditions of its strokes, at most {} can be stored: leave some out of [conditions]",
         "Maschine '{}': {} Bedingungen ihrer Hübe, höchstens {} lassen sich speichern: einige aus [conditions] "
         "weglassen",
-        machine.name, (*model)->conditions.size(), kMaxConditions));
-  return *model;
+        machine.name, model->conditions.size(), kMaxConditions));
+  return model;
 }
 
 }  // namespace hydroscope

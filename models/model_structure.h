@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/stroke_record.h"
 #include "core/result.h"
 #include "models/machine.h"
 #include "models/machine_words.h"

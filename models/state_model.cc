@@ -71,14 +71,14 @@ class Builder {
   }
 
   Result<std::shared_ptr<const StateModel>> Run() {
-    if (const Status fine = TakeParameters(); !fine) return tl::unexpected(fine.error());
+    TRY(TakeParameters());
     TakeSignals();
     TakeDelays();
     NumberNames();
     BuildDynamics();
     BuildLimits();
     BuildInitial();
-    if (const Status fine = EveryParameterIsRead(); !fine) return tl::unexpected(fine.error());
+    TRY(EveryParameterIsRead());
     return std::make_shared<const StateModel>(std::move(model_));
   }
 

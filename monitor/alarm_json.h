@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 
 namespace hydroscope {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "alarms/alarm_machine.h"
-#include "core/stroke_record.h"
+#include "core/records/stroke_record.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/rules.h"
 #include "models/machine.h"

@@ -16,17 +16,15 @@ namespace {
 /// another model need not be read.
 Result<std::int64_t> NextWithColumns(const Database& database, std::int64_t machine, int columns,
                                      std::int64_t sequence) {
-  const auto runs = database.Runs(machine);
-  if (!runs) return tl::unexpected(runs.error());
+  const auto runs = TRY(database.Runs(machine));
   std::map<int, bool> fits;  // by version
-  for (const RunInfo& run : *runs) {
+  for (const RunInfo& run : runs) {
     const std::int64_t end = run.first_sequence + run.strokes;
     if (end <= sequence) continue;
     if (!fits.contains(run.model_version)) {
-      const auto version = database.GetModelVersion(machine, run.model_version);
-      if (!version) return tl::unexpected(version.error());
+      const auto version = TRY(database.GetModelVersion(machine, run.model_version));
       fits[run.model_version] =
-          version->columns.empty() || static_cast<int>(version->columns.size()) == columns;
+          version.columns.empty() || static_cast<int>(version.columns.size()) == columns;
     }
     if (fits[run.model_version]) return std::max(sequence, run.first_sequence);
     sequence = end;
@@ -38,10 +36,9 @@ Result<std::int64_t> NextWithColumns(const Database& database, std::int64_t mach
 
 Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64_t first,
                                                                       std::int64_t count) const {
-  const auto stored = Load(first, count);
-  if (!stored) return tl::unexpected(stored.error());
+  const auto stored = TRY(Load(first, count));
   std::vector<drift::StrokeEvidence> strokes;
-  for (const Stored& stroke : *stored) {
+  for (const Stored& stroke : stored) {
     drift::StrokeEvidence evidence = EvidenceOf(stroke);
     if (Learnable(evidence)) strokes.push_back(std::move(evidence));
   }
@@ -52,13 +49,10 @@ Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64
 /// is stored twice.
 Result<bool> AxisMonitor::CollectForLearning() {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
-    const auto next = NextWithColumns(database_, machine_id_, columns_, collected_to_);
-    if (!next) return tl::unexpected(next.error());
-    collected_to_ = *next;
-    const auto chunk = Load(collected_to_, kStrokesPerChange);
-    if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->empty()) return false;
-    for (const Stored& stroke : *chunk) {
+    collected_to_ = TRY(NextWithColumns(database_, machine_id_, columns_, collected_to_));
+    const auto chunk = TRY(Load(collected_to_, kStrokesPerChange));
+    if (chunk.empty()) return false;
+    for (const Stored& stroke : chunk) {
       collected_to_ = stroke.sequence + 1;
       drift::StrokeEvidence evidence = EvidenceOf(stroke);
       if (Learnable(evidence)) collected_.push_back(std::move(evidence));
@@ -90,24 +84,22 @@ Result<bool> AxisMonitor::Commission(double wall) {
 
 Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                               const AlarmUser& user) {
-  const auto latest = journal_.LatestReference(machine_.name);
-  if (!latest) return tl::unexpected(latest.error());
-  auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
-  if (!reference) return tl::unexpected(reference.error());
+  const auto latest = TRY(journal_.LatestReference(machine_.name));
+  auto reference = TRY(drift::Reference::Learn(*model_, strokes, latest ? latest->version + 1 : 1));
   const drift::StrokeEvidence& newest = strokes.back();
   const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
       database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
       {});
-  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
+  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference.version()};
   unreadable_ = false;
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms)
       axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
-    AppendReference(*reference, strokes, user, axis);
+    AppendReference(reference, strokes, user, axis);
     if (!doubts.empty())
       axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;
-    axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
-    monitor_.emplace(*model_, rules_, std::move(*reference));
+    axis_alarms::JudgeReference(reference.version(), doubts, last_, axis);
+    monitor_.emplace(*model_, rules_, std::move(reference));
     history_.EndAll(last_.stroke, last_.time);
     next_ = next;
   });
@@ -137,16 +129,15 @@ void AxisMonitor::AppendReference(const drift::Reference& reference,
 
 Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
   if (!model_) return tl::unexpected(model_.error());
-  if (const Status fresh = Refresh(); !fresh) return fresh;
-  auto strokes = LoadLearnable(first, last - first);
-  if (!strokes) return tl::unexpected(strokes.error());
-  if (strokes->empty())
+  TRY(Refresh());
+  auto strokes = TRY(LoadLearnable(first, last - first));
+  if (strokes.empty())
     return BadInput(
         Tell("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
              "{0}: aus {2} bis {3} lässt sich nichts lernen: nichts gespeichert, oder das Öl war zu kalt",
              machine_.name, counted().one, first, last - 1));
-  const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
-  return LearnFrom(std::move(*strokes), next, wall, user);
+  const std::int64_t next = std::max(next_, strokes.back().sequence + 1);
+  return LearnFrom(std::move(strokes), next, wall, user);
 }
 
 }  // namespace hydroscope

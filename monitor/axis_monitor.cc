@@ -64,18 +64,15 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
 /// Strokes first ... first + count - 1 as far as they are stored, with estimates.
 Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, std::int64_t count) const {
   std::vector<Stored> strokes;
-  const auto stored_to = database_.EndSequence(machine_id_);
-  if (!stored_to) return tl::unexpected(stored_to.error());
-  if (*stored_to <= first) return strokes;
-  const auto runs = database_.Runs(machine_id_);
-  if (!runs) return tl::unexpected(runs.error());
-  for (const RunInfo& run : *runs) {
+  const auto stored_to = TRY(database_.EndSequence(machine_id_));
+  if (stored_to <= first) return strokes;
+  const auto runs = TRY(database_.Runs(machine_id_));
+  for (const RunInfo& run : runs) {
     const std::int64_t begin = std::max(first, run.first_sequence);
     const std::int64_t end = std::min(first + count, run.first_sequence + run.strokes);
     if (begin >= end) continue;
-    auto summaries = database_.SummariesOf(machine_id_, begin, end, end - begin);
-    if (!summaries) return tl::unexpected(summaries.error());
-    for (StrokeSummary& summary : *summaries) {
+    auto summaries = TRY(database_.SummariesOf(machine_id_, begin, end, end - begin));
+    for (StrokeSummary& summary : summaries) {
       Stored stroke;
       stroke.sequence = summary.index;
       stroke.record.summary = std::move(summary);
@@ -84,14 +81,13 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
     }
   }
   if (strokes.empty()) return strokes;
-  auto grams = database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1);
-  if (!grams) return tl::unexpected(grams.error());
-  for (std::size_t i = 0; i < strokes.size() && i < grams->size(); ++i)
-    strokes[i].record.gram = std::move((*grams)[i]);
+  auto grams = TRY(database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1));
+  for (std::size_t i = 0; i < strokes.size() && i < grams.size(); ++i)
+    strokes[i].record.gram = std::move(grams[i]);
   if (machine_.monitors.empty()) return strokes;
-  const auto trend = database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1);
-  if (!trend) return tl::unexpected(trend.error());
-  for (const TrendPoint& point : *trend) {
+  const auto trend =
+      TRY(database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1));
+  for (const TrendPoint& point : trend) {
     const auto index = static_cast<std::size_t>(point.sequence - strokes.front().sequence);
     if (index < strokes.size()) strokes[index].record.estimates.push_back(point.estimate);
   }
@@ -140,7 +136,7 @@ AlarmMoment AxisMonitor::Moment(double wall) const {
 
 Status AxisMonitor::Look() {
   if (!model_) return tl::unexpected(model_.error());
-  if (const Status fresh = Refresh(); !fresh) return fresh;
+  TRY(Refresh());
   if (unreadable_)
     return BadInput(Tell(
         "what is known of the healthy {} was written with other rules or by another version of the program; give the "
@@ -155,50 +151,41 @@ Status AxisMonitor::Look() {
 
 /// Looks anew whether the last strokes are and can be judged, which the journal does not keep.
 Status AxisMonitor::CountNotJudged() {
-  const auto stored_to = database_.EndSequence(machine_id_);
-  if (!stored_to) return tl::unexpected(stored_to.error());
-  waiting_ = std::max<std::int64_t>(0, *stored_to - next_);
+  const auto stored_to = TRY(database_.EndSequence(machine_id_));
+  waiting_ = std::max<std::int64_t>(0, stored_to - next_);
   not_judged_ = 0;
   const std::int64_t first = next_ - kStrokesUntilNotJudged;
   if (first <= monitor_->reference().last_sequence()) return {};
-  const auto last = JudgedValues(first, kStrokesUntilNotJudged);
-  if (!last) return tl::unexpected(last.error());
-  if (std::ranges::any_of(*last, [](const JudgedValue& v) { return v.deviation.judged; })) return {};
+  const auto last = TRY(JudgedValues(first, kStrokesUntilNotJudged));
+  if (std::ranges::any_of(last, [](const JudgedValue& v) { return v.deviation.judged; })) return {};
   not_judged_ = kStrokesUntilNotJudged;
-  why_not_judged_ = last->empty() ? drift::JudgementReason::kTooCold : drift::JudgementReason::kNewClass;
+  why_not_judged_ = last.empty() ? drift::JudgementReason::kTooCold : drift::JudgementReason::kNewClass;
   return {};
 }
 
 Status AxisMonitor::CatchUp(double wall) {
   if (!model_) return tl::unexpected(model_.error());
-  if (const Status fresh = Refresh(); !fresh) return fresh;
-  if (unreadable_)
-    if (const Status begun = BeginAnew(wall); !begun) return begun;
-  if (!monitor_) {
-    const auto commissioned = Commission(wall);
-    if (!commissioned) return tl::unexpected(commissioned.error());
-  }
-  if (monitor_)
-    if (const Status judged = JudgeStrokes(wall); !judged) return judged;
+  TRY(Refresh());
+  if (unreadable_) TRY(BeginAnew(wall));
+  if (!monitor_) TRY(Commission(wall));
+  if (monitor_) TRY(JudgeStrokes(wall));
   return JudgeValveChecks(wall);
 }
 
 /// Stops at each stroke at which an explanation is due, however many more are stored already.
 Status AxisMonitor::JudgeStrokes(double wall) {
   for (;;) {
-    if (const Status explained = ExplainFindings(wall); !explained) return explained;
-    const auto strokes = Load(next_, kStrokesPerChange);
-    if (!strokes) return tl::unexpected(strokes.error());
-    if (strokes->empty()) return {};
-    const Status stored = Change(wall, [&](AxisContent& axis) {
-      for (const Stored& stroke : *strokes) {
+    TRY(ExplainFindings(wall));
+    const auto strokes = TRY(Load(next_, kStrokesPerChange));
+    if (strokes.empty()) return {};
+    TRY(Change(wall, [&](AxisContent& axis) {
+      for (const Stored& stroke : strokes) {
         Judge(stroke, wall, axis);
         axis.monitor.model_version = stroke.model_version;
         next_ = stroke.sequence + 1;
         if (AnyExplanationIsDue()) break;
       }
-    });
-    if (!stored) return stored;
+    }));
   }
 }
 
@@ -223,9 +210,8 @@ Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int
   std::vector<JudgedValue> values;
   if (!monitor_) return values;
   for (std::int64_t from = first; from < first + count; from += kStrokesPerChange) {
-    const auto strokes = Load(from, std::min(kStrokesPerChange, first + count - from));
-    if (!strokes) return tl::unexpected(strokes.error());
-    for (const Stored& stroke : *strokes) {
+    const auto strokes = TRY(Load(from, std::min(kStrokesPerChange, first + count - from)));
+    for (const Stored& stroke : strokes) {
       const drift::StrokeEvidence evidence = EvidenceOf(stroke);
       if (Learnable(evidence))
         values.push_back(
@@ -236,14 +222,14 @@ Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int
 }
 
 Status AxisMonitor::SetSuppression(Suppression reason, bool on, double wall) {
-  if (const Status fresh = Refresh(); !fresh) return fresh;
+  TRY(Refresh());
   suppressed_ = static_cast<std::uint8_t>(on ? suppressed_ | reason : suppressed_ & ~reason);
   return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
 }
 
 Status AxisMonitor::SetCommonCause(std::set<std::string> alarms, double wall) {
   if (alarms == common_cause_) return {};
-  if (const Status fresh = Refresh(); !fresh) return fresh;
+  TRY(Refresh());
   common_cause_ = std::move(alarms);
   return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
 }
@@ -264,7 +250,7 @@ void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
 
 Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& settings,
                             const std::optional<AlarmCondition>& condition, double wall) {
-  if (const Status fresh = Refresh(); !fresh) return fresh;
+  TRY(Refresh());
   const auto known = std::ranges::find_if(alarms_, [&](const auto& a) { return a.id == alarm; });
   if (!condition && (known == alarms_.end() || !known->active)) return {};
   return Change(wall, [&](AxisContent& axis) {
@@ -282,7 +268,7 @@ Status AxisMonitor::Tick(double wall) {
   const bool due = std::ranges::any_of(
       alarms_, [&](const AlarmState& a) { return a.shelved_until && wall >= *a.shelved_until; });
   if (!due) return {};
-  if (const Status fresh = Refresh(); !fresh) return fresh;
+  TRY(Refresh());
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms) axis.Append(alarm_machine::Tick(alarm, Moment(wall)));
   });
@@ -328,12 +314,11 @@ drift::DriftFinding AxisMonitor::JudgeInSilence(const ValveCheckRecord& check) {
 
 /// Checks that measured the valve; refused and broken ones say nothing about it.
 Status AxisMonitor::JudgeValveChecks(double wall) {
-  const auto checks = database_.ValveChecks(machine_id_);
-  if (!checks) return tl::unexpected(checks.error());
-  if (static_cast<std::int64_t>(checks->size()) <= checks_) return {};
+  const auto checks = TRY(database_.ValveChecks(machine_id_));
+  if (static_cast<std::int64_t>(checks.size()) <= checks_) return {};
   return Change(wall, [&](AxisContent& axis) {
-    while (checks_ < static_cast<std::int64_t>(checks->size())) {
-      const ValveCheckRecord& record = (*checks)[checks_];
+    while (checks_ < static_cast<std::int64_t>(checks.size())) {
+      const ValveCheckRecord& record = checks[checks_];
       const drift::DriftFinding finding = JudgeInSilence(record);
       if (record.outcome != "measured") continue;
       AlarmMoment now = Moment(wall);
@@ -352,7 +337,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
     const std::int64_t changed = FirstChanged(finding);
     const drift::FindingExplanation explanation = ExplainFinding(
         database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
-    const Status stored = Change(wall, [&](AxisContent& axis) {
+    TRY(Change(wall, [&](AxisContent& axis) {
       monitor_->TakeExplanation(finding.number, explanation, next_ - changed);
       AlarmEvent event;
       event.alarm = AlarmIdOf(finding);
@@ -376,8 +361,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       alarm.cause = explanation.cause;
       event.state_before = event.state = StateName(alarm);
       axis.events.push_back(std::move(event));
-    });
-    if (!stored) return stored;
+    }));
   }
   return {};
 }

@@ -16,11 +16,9 @@ constexpr std::int64_t kStrokesJudgedAgain = 2000;
 
 /// Takes over what another process, or this one before a restart, left in the journal.
 Status AxisMonitor::Refresh() {
-  const auto content = journal_.Axis(machine_.name);
-  if (!content) return tl::unexpected(content.error());
-  alarms_ = content->alarms;
-  if (!saved_ || *saved_ != content->monitor.state || next_ != content->monitor.next_stroke)
-    Restore(*content);
+  const auto content = TRY(journal_.Axis(machine_.name));
+  alarms_ = content.alarms;
+  if (!saved_ || *saved_ != content.monitor.state || next_ != content.monitor.next_stroke) Restore(content);
   return {};
 }
 
@@ -71,21 +69,19 @@ std::vector<std::uint8_t> AxisMonitor::SaveState() const {
 /// The frozen reference; one that cannot be read either is learned again from the strokes it was learned
 /// from, if they still serve; `learned_anew` then holds it and its event.
 Result<std::optional<drift::Reference>> AxisMonitor::FrozenReference(AxisContent& learned_anew) const {
-  const auto stored = journal_.LatestReference(machine_.name);
-  if (!stored) return tl::unexpected(stored.error());
-  if (!*stored) return std::nullopt;
+  const auto stored = TRY(journal_.LatestReference(machine_.name));
+  if (!stored) return std::nullopt;
   drift::Reference reference;
-  ByteReader bytes((*stored)->bytes);
+  ByteReader bytes(stored->bytes);
   if (reference.Restore(bytes) && static_cast<int>(reference.curves().size()) == model_->size())
     return reference;
-  const std::int64_t first = (*stored)->first_stroke, last = (*stored)->last_stroke;
-  const auto strokes = LoadLearnable(first, last - first + 1);
-  if (!strokes) return tl::unexpected(strokes.error());
-  auto again = drift::Reference::Learn(*model_, *strokes, (*stored)->version + 1);
+  const std::int64_t first = stored->first_stroke, last = stored->last_stroke;
+  const auto strokes = TRY(LoadLearnable(first, last - first + 1));
+  auto again = drift::Reference::Learn(*model_, strokes, stored->version + 1);
   if (!again) return std::nullopt;
-  AppendReference(*again, *strokes, {}, learned_anew);
-  learned_anew.events.back().text += fmt::format(
-      ", those of reference {}, which this version of the program cannot read", (*stored)->version);
+  AppendReference(*again, strokes, {}, learned_anew);
+  learned_anew.events.back().text +=
+      fmt::format(", those of reference {}, which this version of the program cannot read", stored->version);
   return again;
 }
 
@@ -94,24 +90,21 @@ Result<std::optional<drift::Reference>> AxisMonitor::FrozenReference(AxisContent
 /// the healthy machine is learned anew from the strokes to come.
 Status AxisMonitor::BeginAnew(double wall) {
   AxisContent learned;
-  auto reference = FrozenReference(learned);
-  if (!reference) return tl::unexpected(reference.error());
+  auto reference = TRY(FrozenReference(learned));
   std::string told = "the drift monitor's state is of another version of the program or of another model; ";
-  if (*reference) {
-    monitor_.emplace(*model_, rules_, std::move(**reference));
+  if (reference) {
+    monitor_.emplace(*model_, rules_, std::move(*reference));
     const std::int64_t first =
         std::max(monitor_->reference().last_sequence() + 1, next_ - kStrokesJudgedAgain);
-    const auto strokes = Load(first, next_ - first);
-    if (!strokes) return tl::unexpected(strokes.error());
-    for (const Stored& stroke : *strokes) JudgeInSilence(stroke, wall);
+    const auto strokes = TRY(Load(first, next_ - first));
+    for (const Stored& stroke : strokes) JudgeInSilence(stroke, wall);
     told += fmt::format("against reference {} the last {} {} were judged again", last_.reference_version,
-                        strokes->size(), counted().many);
+                        strokes.size(), counted().many);
   } else {
     told += fmt::format("the healthy machine is learned anew from {} {} on", counted().one, next_);
   }
-  const auto checks = database_.ValveChecks(machine_id_);
-  if (!checks) return tl::unexpected(checks.error());
-  for (const ValveCheckRecord& check : *checks) JudgeInSilence(check);
+  const auto checks = TRY(database_.ValveChecks(machine_id_));
+  for (const ValveCheckRecord& check : checks) JudgeInSilence(check);
   unreadable_ = false;
   return Change(wall, [&](AxisContent& axis) {
     AlarmEvent event;

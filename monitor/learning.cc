@@ -16,10 +16,9 @@ Result<LearningCandidate> LookBeforeLearning(const Database& database, const std
                                              const AlarmJournal& journal) {
   LearningCandidate candidate{machine, part, {}};
   candidate.machine.name = part.machine;
-  const auto axis = journal.Axis(part.machine);
-  if (!axis) return tl::unexpected(axis.error());
+  const auto axis = TRY(journal.Axis(part.machine));
   if (part.strokes() > 0)
-    candidate.doubts = DoubtsOfLearning(database, path, part, candidate.machine, axis->alarms);
+    candidate.doubts = DoubtsOfLearning(database, path, part, candidate.machine, axis.alarms);
   return candidate;
 }
 
@@ -27,11 +26,9 @@ Result<nlohmann::json> LearnReference(const Database& database, const std::strin
                                       const LearningCandidate& candidate, const drift::RuleBook& rules,
                                       AlarmJournal& journal, const AlarmUser& user, double wall) {
   const HistoryPart& part = candidate.part;
-  const auto model = BuildModel(candidate.machine);
-  if (!model) return tl::unexpected(model.error());
-  AxisMonitor axis(candidate.machine, *model, rules, database, path, part.id, journal);
-  if (const Status learned = axis.Learn(part.first, part.last, wall, user); !learned)
-    return tl::unexpected(learned.error());
+  const auto model = TRY(BuildModel(candidate.machine));
+  AxisMonitor axis(candidate.machine, model, rules, database, path, part.id, journal);
+  TRY(axis.Learn(part.first, part.last, wall, user));
   const drift::Reference& reference = axis.monitor()->reference();
   nlohmann::json curves = nlohmann::json::array();
   const auto& quantities = axis.monitor()->model().quantities();
@@ -65,14 +62,11 @@ nlohmann::json DoubtsJson(const std::vector<LearningDoubt>& doubts) {
 }
 
 Result<AlarmJournal> OpenJournalOf(const std::string& path, double wall, std::string& note) {
-  auto database = Database::Open(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto names = database->MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  const std::string press = names->empty() ? "" : names->front().substr(0, names->front().find('/'));
-  const auto set_aside = PairJournal(*database, path, press, wall);
-  if (!set_aside) return tl::unexpected(set_aside.error());
-  if (*set_aside) note = SetAsideText(**set_aside);
+  auto database = TRY(Database::Open(path));
+  const auto names = TRY(database.MachineNames());
+  const std::string press = names.empty() ? "" : names.front().substr(0, names.front().find('/'));
+  const auto set_aside = TRY(PairJournal(database, path, press, wall));
+  if (set_aside) note = SetAsideText(*set_aside);
   return AlarmJournal::Open(AlarmJournal::PathFor(path));
 }
 

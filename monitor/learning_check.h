@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "models/machine.h"
 #include "workbench/history/stroke_history.h"
 

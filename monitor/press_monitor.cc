@@ -45,39 +45,31 @@ AlarmMoment MomentOf(std::int64_t stroke, double time, double wall) {
 Result<std::unique_ptr<PressMonitor>> PressMonitor::Create(const std::string& machine_file,
                                                            const std::string& name, std::vector<Machine> axes,
                                                            const std::string& database) {
-  auto opened = Database::Open(database);
-  if (!opened) return tl::unexpected(opened.error());
-  const auto set_aside = PairJournal(*opened, database, name, WallSeconds());
-  if (!set_aside) return tl::unexpected(set_aside.error());
-  auto rules = RulesFor(machine_file, axes.empty() ? Machine{} : axes.front());
-  if (!rules) return tl::unexpected(rules.error());
-  auto journal = AlarmJournal::Open(AlarmJournal::PathFor(database));
-  if (!journal) return tl::unexpected(journal.error());
+  auto opened = TRY(Database::Open(database));
+  const auto set_aside = TRY(PairJournal(opened, database, name, WallSeconds()));
+  auto rules = TRY(RulesFor(machine_file, axes.empty() ? Machine{} : axes.front()));
+  auto journal = TRY(AlarmJournal::Open(AlarmJournal::PathFor(database)));
   std::unique_ptr<PressMonitor> press(
-      new PressMonitor(name, std::move(*rules), std::move(axes), std::move(*opened), std::move(*journal)));
-  if (*set_aside) press->notices_.push_back({"journal_set_aside", SetAsideText(**set_aside)});
-  if (const Status ready = press->OpenAxes(database); !ready) return tl::unexpected(ready.error());
+      new PressMonitor(name, std::move(rules), std::move(axes), std::move(opened), std::move(journal)));
+  if (set_aside) press->notices_.push_back({"journal_set_aside", SetAsideText(*set_aside)});
+  TRY(press->OpenAxes(database));
   return press;
 }
 
 Status PressMonitor::OpenAxes(const std::string& database) {
   for (const Machine& machine : machines_) {
-    const auto model = BuildModel(machine);
-    if (!model) return tl::unexpected(model.error());
-    const auto id = database_.MachineId(machine.name);
-    if (!id) return tl::unexpected(id.error());
+    const auto model = TRY(BuildModel(machine));
+    const auto id = TRY(database_.MachineId(machine.name));
     if (axes_.empty())
-      for (std::string& remark : RuleRemarks(rules_, **model))
+      for (std::string& remark : RuleRemarks(rules_, *model))
         notices_.push_back({"rules_do_not_fit", std::move(remark)});
-    axes_.push_back(
-        std::make_unique<AxisMonitor>(machine, *model, rules_, database_, database, *id, journal_));
+    axes_.push_back(std::make_unique<AxisMonitor>(machine, model, rules_, database_, database, id, journal_));
   }
   return {};
 }
 
 Status PressMonitor::watchable() const {
-  for (const auto& axis : axes_)
-    if (const Status watchable = axis->watchable(); !watchable) return watchable;
+  for (const auto& axis : axes_) TRY(axis->watchable());
   return {};
 }
 
@@ -88,14 +80,12 @@ const AxisMonitor* PressMonitor::Find(const std::string& machine) const {
 }
 
 Status PressMonitor::CatchUp(double wall) {
-  for (const auto& axis : axes_)
-    if (const Status done = axis->CatchUp(wall); !done) return done;
+  for (const auto& axis : axes_) TRY(axis->CatchUp(wall));
   return axes_.size() > 1 ? JudgeTogether(wall) : Status{};
 }
 
 Status PressMonitor::Tick(double wall) {
-  for (const auto& axis : axes_)
-    if (const Status done = axis->Tick(wall); !done) return done;
+  for (const auto& axis : axes_) TRY(axis->Tick(wall));
   const bool due = std::ranges::any_of(
       alarms_, [&](const AlarmState& alarm) { return alarm.shelved_until && wall >= *alarm.shelved_until; });
   if (!due) return {};
@@ -113,13 +103,12 @@ Status PressMonitor::JudgeTogether(double wall) {
   for (const drift::Rule& rule : rules_.rules) {
     if (rule.axes < 2) continue;
     const std::vector<CommonCause> causes = CommonCauses(rule, histories);
-    if (const Status told = TellPress(rule, causes, wall); !told) return told;
+    TRY(TellPress(rule, causes, wall));
     if (causes.empty() || !causes.back().StillStands()) continue;
     for (const CommonCause::Member& member : causes.back().members)
       common[member.axis].insert(member.finding.alarm);
   }
-  for (std::size_t a = 0; a < axes_.size(); ++a)
-    if (const Status set = axes_[a]->SetCommonCause(std::move(common[a]), wall); !set) return set;
+  for (std::size_t a = 0; a < axes_.size(); ++a) TRY(axes_[a]->SetCommonCause(std::move(common[a]), wall));
   return {};
 }
 
@@ -143,16 +132,14 @@ AlarmCondition PressMonitor::ConditionOf(const drift::Rule& rule, const CommonCa
 /// Raises and clears the press's alarm of a rule until the journal tells what stood together, also what came
 /// and went before the last axis was judged. Nothing is read or written while nothing changes.
 Status PressMonitor::TellPress(const drift::Rule& rule, const std::vector<CommonCause>& causes, double wall) {
-  const auto content = journal_.Axis(name_);
-  if (!content) return tl::unexpected(content.error());
-  alarms_ = content->alarms;
+  const auto content = TRY(journal_.Axis(name_));
+  alarms_ = content.alarms;
   const auto known = std::ranges::find_if(alarms_, [&](const auto& a) { return a.id == rule.id; });
   const bool active = known != alarms_.end() && known->active;
   const bool stands = !causes.empty() && causes.back().StillStands();
   if (active == stands && (stands || told_[rule.id] == ExtentsOf(causes))) return {};
-  const auto rows = journal_.Rows(name_);
-  if (!rows) return tl::unexpected(rows.error());
-  const std::vector<std::int64_t> raised = RaisedAt(*rows, rule.id);
+  const auto rows = TRY(journal_.Rows(name_));
+  const std::vector<std::int64_t> raised = RaisedAt(rows, rule.id);
   const Status stored = journal_.Change(name_, wall, [&](AxisContent& press) -> Status {
     AlarmState& alarm = press.Alarm(rule.id);
     for (const CommonCause& cause : causes) {

@@ -45,15 +45,14 @@ Result<ColumnMapping::Entry> ParseEntry(const nlohmann::json& json) {
 }
 
 Result<GateBound> ParseBound(const nlohmann::json& json) {
-  const auto signal = TextOf(json, "signal");
-  if (!signal) return tl::unexpected(signal.error());
+  const auto signal = TRY(TextOf(json, "signal"));
   const auto rate = FlagOf(json, "rate"), magnitude = FlagOf(json, "magnitude");
   for (const auto* flag : {&rate, &magnitude})
     if (!*flag) return tl::unexpected(flag->error());
   const auto min = NumberOf(json, "min"), max = NumberOf(json, "max");
   for (const auto* number : {&min, &max})
     if (!*number) return tl::unexpected(number->error());
-  return GateBound{*signal, *rate, *min, *max, *magnitude};
+  return GateBound{signal, *rate, *min, *max, *magnitude};
 }
 
 Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>& geometry) {
@@ -61,9 +60,7 @@ Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>
   if (found == object.end()) return {};
   if (!found->is_object()) return BadInput("geometry: found {}, expected an object", found->type_name());
   for (const auto& [name, value] : found->items()) {
-    const auto number = FiniteNumber(value, "geometry." + name);
-    if (!number) return tl::unexpected(number.error());
-    geometry[name] = *number;
+    geometry[name] = TRY(FiniteNumber(value, "geometry." + name));
   }
   return {};
 }
@@ -88,13 +85,11 @@ Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) 
 
 Result<BalanceSpec> ParseBalance(const nlohmann::json& json) {
   if (!json.is_object()) return BadInput("balance: found {}, expected an object", json.type_name());
-  auto output = ExpressionOf(json, "output");
-  if (!output) return tl::unexpected(output.error());
-  const auto terms = Array(json, "terms");
-  if (!terms) return tl::unexpected(terms.error());
+  auto output = TRY(ExpressionOf(json, "output"));
+  const auto terms = TRY(Array(json, "terms"));
   BalanceSpec balance;
-  balance.output = std::move(*output);
-  for (const nlohmann::json& term : *terms) {
+  balance.output = std::move(output);
+  for (const nlohmann::json& term : terms) {
     auto name = TextOf(term, "name"), expression = ExpressionOf(term, "expression");
     if (!name) return tl::unexpected(name.error());
     if (!expression) return tl::unexpected(expression.error());
@@ -118,9 +113,8 @@ const char* WorkName(Kind kind) {
 }
 
 Result<WorkRequest> ParseWorkRequest(const std::string& body) {
-  const auto json = ParseObject(body);
-  if (!json) return tl::unexpected(json.error());
-  const auto kind = TextOf(*json, "kind"), effect = TextOf(*json, "effect"), log = TextOf(*json, "log");
+  const auto json = TRY(ParseObject(body));
+  const auto kind = TextOf(json, "kind"), effect = TextOf(json, "effect"), log = TextOf(json, "log");
   for (const auto* text : {&kind, &effect, &log})
     if (!*text) return tl::unexpected(text->error());
   const auto named = std::find_if(std::begin(kWorkNames), std::end(kWorkNames),
@@ -132,17 +126,14 @@ Result<WorkRequest> ParseWorkRequest(const std::string& body) {
   }
   WorkRequest request{named->first, *effect, 0, *log};
   if (request.kind == Kind::kFrf) {
-    const auto response = ParseResponseOptions(*json);
-    if (!response) return tl::unexpected(response.error());
-    request.response = *response;
+    request.response = TRY(ParseResponseOptions(json));
   }
   const bool about_effect =
       request.kind == Kind::kPreview || request.kind == Kind::kAdd || request.kind == Kind::kRemove;
   if (about_effect && effect->empty()) return BadInput("effect: expected the id of an effect");
-  const auto version = NumberOf(*json, "version");
-  if (!version) return tl::unexpected(version.error());
+  const auto version = TRY(NumberOf(json, "version"));
   if (request.kind == Kind::kRestore) {
-    const double number = version->value_or(0);
+    const double number = version.value_or(0);
     if (number < 1 || number > 1e8 || number != std::floor(number))
       return BadInput("version: expected a number of a version, 1 or more");
     request.version = static_cast<int>(number);
@@ -154,58 +145,46 @@ Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
   const auto json = ParseObject(body);
   if (!json) return tl::unexpected(json.error());
   ColumnMapping mapping;
-  auto model = TextOf(*json, "model");
-  if (!model) return tl::unexpected(model.error());
-  if (!model->empty() && FindKind(*model) == nullptr)
-    return BadInput("model: found '{}', expected one of {}", *model, fmt::join(KindNames(), ", "));
-  mapping.model = std::move(*model);
+  auto model = TRY(TextOf(*json, "model"));
+  if (!model.empty() && FindKind(model) == nullptr)
+    return BadInput("model: found '{}', expected one of {}", model, fmt::join(KindNames(), ", "));
+  mapping.model = std::move(model);
   if (json->contains("balance")) {
-    auto balance = ParseBalance((*json)["balance"]);
-    if (!balance) return tl::unexpected(balance.error());
-    mapping.balance = std::move(*balance);
+    mapping.balance = TRY(ParseBalance((*json)["balance"]));
   }
-  const auto columns = Array(*json, "columns");
-  if (!columns) return tl::unexpected(columns.error());
-  for (const nlohmann::json& column : *columns) {
-    auto entry = ParseEntry(column);
-    if (!entry) return tl::unexpected(entry.error());
-    mapping.columns.push_back(std::move(*entry));
+  const auto columns = TRY(Array(*json, "columns"));
+  for (const nlohmann::json& column : columns) {
+    auto entry = TRY(ParseEntry(column));
+    mapping.columns.push_back(std::move(entry));
   }
-  if (const Status geometry = ParseGeometry(*json, mapping.geometry); !geometry)
-    return tl::unexpected(geometry.error());
+  TRY(ParseGeometry(*json, mapping.geometry));
   if (!json->contains("gate")) return mapping;
-  const auto gate = Array(*json, "gate");
-  if (!gate) return tl::unexpected(gate.error());
+  const auto gate = TRY(Array(*json, "gate"));
   mapping.gate.emplace();
-  for (const nlohmann::json& bound : *gate) {
-    auto parsed = ParseBound(bound);
-    if (!parsed) return tl::unexpected(parsed.error());
-    mapping.gate->push_back(std::move(*parsed));
+  for (const nlohmann::json& bound : gate) {
+    auto parsed = TRY(ParseBound(bound));
+    mapping.gate->push_back(std::move(parsed));
   }
   return mapping;
 }
 
 Result<StrokeStretch> ParseStrokeStretch(const std::string& body) {
-  const auto json = ParseObject(body);
-  if (!json) return tl::unexpected(json.error());
-  const auto machine = TextOf(*json, "machine");
-  if (!machine) return tl::unexpected(machine.error());
-  StrokeStretch stretch{*machine, 0, 0};
+  const auto json = TRY(ParseObject(body));
+  const auto machine = TRY(TextOf(json, "machine"));
+  StrokeStretch stretch{machine, 0, 0};
   for (const auto& [key, stroke] : {std::pair{"first", &stretch.first}, {"last", &stretch.last}}) {
-    const auto number = NumberOf(*json, key);
-    if (!number) return tl::unexpected(number.error());
-    if (!*number || **number < 0 || **number > 9e15 || **number != std::floor(**number))
+    const auto number = TRY(NumberOf(json, key));
+    if (!number || *number < 0 || *number > 9e15 || *number != std::floor(*number))
       return BadInput("{}: expected the number of a stroke", key);
-    *stroke = static_cast<std::int64_t>(**number);
+    *stroke = static_cast<std::int64_t>(*number);
   }
   if (stretch.last < stretch.first) return BadInput("last: expected no stroke before {}", stretch.first);
   return stretch;
 }
 
 Result<std::string> ParseText(const std::string& body, const std::string& key) {
-  const auto json = ParseObject(body);
-  if (!json) return tl::unexpected(json.error());
-  return TextOf(*json, key.c_str());
+  const auto json = TRY(ParseObject(body));
+  return TextOf(json, key.c_str());
 }
 
 std::string PlainFileName(const std::string& name) {

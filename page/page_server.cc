@@ -45,9 +45,7 @@ Status PageServer::Listen(const HttpListen& listen, std::function<HttpReply(cons
   hooks.event_path = kEventPath;
   hooks.events = &impl.feed;
   hooks.may_listen_on = [&impl](HttpRequest request) { return !impl.gate->Refuse(request); };
-  auto http = HttpServer::Open(listen, std::move(hooks));
-  if (!http) return tl::unexpected(http.error());
-  impl.http = std::move(*http);
+  impl.http = TRY(HttpServer::Open(listen, std::move(hooks)));
   impl.guard.port = impl.http->port();
   return {};
 }
@@ -78,20 +76,17 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
   Impl& impl = *page->impl_;
   impl.gate = std::make_unique<Gate>(options.watch.user);
   const int niceness = options.watch.database.empty() ? 0 : JobQueue::kBesideAService;
-  auto session = WorkSession::Create(options.logs, options.machine, options.examples, impl.feed, niceness);
-  if (!session) return tl::unexpected(session.error());
-  impl.session = std::move(*session);
+  impl.session =
+      TRY(WorkSession::Create(options.logs, options.machine, options.examples, impl.feed, niceness));
   if (!options.watch.database.empty()) {
     // Said at once, before anybody opens the page.
-    if (const auto database = Database::OpenReadOnly(options.watch.database); !database)
-      return tl::unexpected(database.error());
+    TRY(Database::OpenReadOnly(options.watch.database));
     impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed, impl.session->jobs());
     impl.session->set_database(options.watch.database);
   }
   impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), nullptr);
-  const Status listening =
-      page->Listen({options.port}, [&impl](const HttpRequest& request) { return impl.api->Answer(request); });
-  if (!listening) return tl::unexpected(listening.error());
+  TRY(page->Listen({options.port},
+                   [&impl](const HttpRequest& request) { return impl.api->Answer(request); }));
   return page;
 }
 
@@ -109,18 +104,15 @@ Result<std::unique_ptr<PageServer>> PageServer::OpenForService(const ServicePage
   impl.logins = std::make_unique<Logins>(options.watch.database, RealTime);
   impl.gate = std::make_unique<Gate>(*impl.logins, at_home, cookie);
   impl.login = std::make_unique<LoginApi>(*impl.logins, cookie, tls, !at_home);
-  auto session = WorkSession::Create({}, "", {}, impl.feed, JobQueue::kBesideAService);
-  if (!session) return tl::unexpected(session.error());
-  impl.session = std::move(*session);
+  impl.session = TRY(WorkSession::Create({}, "", {}, impl.feed, JobQueue::kBesideAService));
   impl.session->set_database(options.watch.database);
   impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed, impl.session->jobs());
   impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), impl.login.get());
-  const Status listening = page->Listen(
-      options.listen, [page = page.get(), service = options.service](const HttpRequest& request) {
-        const auto answer = service(request);
-        return answer ? *answer : page->AnswerRecorded(request);
-      });
-  if (!listening) return tl::unexpected(listening.error());
+  TRY(page->Listen(options.listen,
+                   [page = page.get(), service = options.service](const HttpRequest& request) {
+                     const auto answer = service(request);
+                     return answer ? *answer : page->AnswerRecorded(request);
+                   }));
   return page;
 }
 

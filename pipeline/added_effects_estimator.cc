@@ -60,12 +60,10 @@ Result<std::shared_ptr<const ModelStructure>> AddedEffectsEstimator::ModelWithVa
   std::vector<EffectChoice> added;
   std::vector<std::vector<double>> given;
   for (const std::string& id : machine.added_effects) {
-    const auto effect = FindEffect(model, id);
-    if (!effect) return tl::unexpected(effect.error());
-    auto values = GivenValues(machine, *model.effects[*effect]);
-    if (!values) return tl::unexpected(values.error());
-    added.push_back({*effect, 0});
-    given.push_back(std::move(*values));
+    const auto effect = TRY(FindEffect(model, id));
+    auto values = TRY(GivenValues(machine, *model.effects[effect]));
+    added.push_back({effect, 0});
+    given.push_back(std::move(values));
   }
   for (std::size_t k = 0; k < added.size(); ++k) {
     const auto on = CorrectionOf(model, added, given, k);

@@ -73,12 +73,10 @@ Result<std::vector<LogsOfAxis>> ShareOutLogs(const Machine& machine, const std::
   };
   if (!HasNamedAxes(machine) && axis.empty()) return std::vector{LogsOfAxis{0, logs}};
   for (const std::string& log : logs) {
-    const auto names = AxesOf(log, machine, axis);
-    if (!names) return tl::unexpected(names.error());
-    for (const std::string& name : *names) {
-      const auto index = AxisNamed(machine, name);
-      if (!index) return tl::unexpected(index.error());
-      share(*index).logs.push_back(PathOfLog(log));
+    const auto names = TRY(AxesOf(log, machine, axis));
+    for (const std::string& name : names) {
+      const auto index = TRY(AxisNamed(machine, name));
+      share(index).logs.push_back(PathOfLog(log));
     }
   }
   return shares;

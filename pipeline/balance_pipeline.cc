@@ -32,17 +32,14 @@ void KeepFirst(int columns, SymmetricMatrix& matrix) {
 
 Result<std::unique_ptr<Pipeline>> BalancePipeline::Create(const Machine& machine, double sample_period,
                                                           RecordSink sink) {
-  auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
+  auto model = TRY(BuildModel(machine));
   WindowSamples window = WindowSamples::From(machine.window, sample_period);
-  window.level_form = (*model)->level_form;
-  std::shared_ptr<const ModelStructure> wide = *model;
+  window.level_form = model->level_form;
+  std::shared_ptr<const ModelStructure> wide = model;
   if (HasAddedEffects(machine)) {
-    auto widened = AddedEffectsEstimator::ModelWithValues(machine, **model);
-    if (!widened) return tl::unexpected(widened.error());
-    wide = std::move(*widened);
+    wide = TRY(AddedEffectsEstimator::ModelWithValues(machine, *model));
   }
-  return std::unique_ptr<Pipeline>(new BalancePipeline(machine, *model, wide, window, std::move(sink)));
+  return std::unique_ptr<Pipeline>(new BalancePipeline(machine, model, wide, window, std::move(sink)));
 }
 
 BalancePipeline::BalancePipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model,

@@ -125,26 +125,23 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
         stated.name, KindOf(stated).title));
   Machine machine = stated;
   AssumeTolerances(machine);
-  if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());
+  TRY(JudgeSizes(log, machine));
   std::string note;
-  auto reader = OpenRecording(log, machine, period, note);
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(OpenRecording(log, machine, period, note));
   StrokeCollector collector(machine, keep);
-  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), collector.Sink());
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  (*pipeline)->set_tap(collector.Tap());
-  const auto pass = PassLog(**reader, machine, pipeline->get(), "reading");
-  if (!pass) return tl::unexpected(pass.error());
-  if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
-  if (!pass->no_verdict.empty()) return BadInput(Tell("{}: {}", "{}: {}", log, pass->no_verdict));
-  LogStrokes out = collector.Finish(**pipeline);
-  out.reader = (*reader)->counters();
+  auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(), collector.Sink()));
+  pipeline->set_tap(collector.Tap());
+  const auto pass = TRY(PassLog(*reader, machine, pipeline.get(), "reading"));
+  if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
+  if (!pass.no_verdict.empty()) return BadInput(Tell("{}: {}", "{}: {}", log, pass.no_verdict));
+  LogStrokes out = collector.Finish(*pipeline);
+  out.reader = reader->counters();
   // Where too few strokes for a verdict are left, the time stamps may be the cause.
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
       out.strokes.size() < kMinExplainStrokes && !coarse.empty())
     return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
-  for (const ReadingFaults::Echo& echo : out.echoes = pass->echoes)
+  for (const ReadingFaults::Echo& echo : out.echoes = pass.echoes)
     out.notes.push_back(log + ": " + echo.Sentence().english);
   return out;
 }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "core/records/stroke_record.h"
 #include "core/result.h"
-#include "core/stroke_record.h"
 #include "diagnosis/refine.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
 #include "estimation/episode.h"
 #include "models/episode_marker.h"
 #include "models/machine.h"

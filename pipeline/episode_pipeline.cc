@@ -31,21 +31,18 @@ std::string SilentEpisode(const Machine& machine) {
 Result<EpisodePipeline::Episodes> EpisodePipeline::EpisodesOf(const Machine& machine, double sample_period) {
   if (!KindOf(machine).has_states)
     return Episodes{EpisodesOfLoop(machine, sample_period), {SignalsOfLoop(machine), {}}};
-  const auto states = BuildStateModel(machine, machine.added_effects);
-  if (!states) return tl::unexpected(states.error());
-  return Episodes{EpisodesOfStates(*states), {(*states)->inputs, (*states)->outputs}};
+  const auto states = TRY(BuildStateModel(machine, machine.added_effects));
+  return Episodes{EpisodesOfStates(states), {states->inputs, states->outputs}};
 }
 
 Result<std::unique_ptr<Pipeline>> EpisodePipeline::Create(const Machine& machine, double sample_period,
                                                           RecordSink sink) {
-  auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  auto episodes = EpisodesOf(machine, sample_period);
-  if (!episodes) return tl::unexpected(episodes.error());
-  if (const Status fine = EpisodeCutter::Check(machine); !fine) return tl::unexpected(fine.error());
+  auto model = TRY(BuildModel(machine));
+  auto episodes = TRY(EpisodesOf(machine, sample_period));
+  TRY(EpisodeCutter::Check(machine));
   WindowSamples window = WindowSamples::From(machine.window, sample_period);
   window.level_form = true;
-  return std::unique_ptr<Pipeline>(new EpisodePipeline(*model, std::move(*episodes), FollowingOf(machine),
+  return std::unique_ptr<Pipeline>(new EpisodePipeline(model, std::move(episodes), FollowingOf(machine),
                                                        window, sample_period, std::move(sink)));
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "estimation/gram_fit.h"
 
 namespace hydroscope {

@@ -50,8 +50,7 @@ void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const st
 
 /// All rows of one log with their flags.
 Result<SampleBlock> ReadRows(const std::string& log, const Machine& machine, EpisodeLog& out) {
-  auto reader = OpenRecording(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(OpenRecording(log, machine));
   SampleBlock rows;
   rows.signal.resize(machine.signals.size());
   rows.quality.resize(machine.signals.size());
@@ -64,14 +63,13 @@ Result<SampleBlock> ReadRows(const std::string& log, const Machine& machine, Epi
       rows.quality[s].insert(rows.quality[s].end(), block.quality[s].begin(), block.quality[s].end());
     }
   };
-  auto pass = PassLog(**reader, machine, nullptr, "reading", hooks);
-  if (!pass) return tl::unexpected(pass.error());
-  if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
-  out.period = (*reader)->SamplePeriod();
-  if (const Told& times = (*reader)->counters().time_base; !times.empty())
+  auto pass = TRY(PassLog(*reader, machine, nullptr, "reading", hooks));
+  if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
+  out.period = reader->SamplePeriod();
+  if (const Told& times = reader->counters().time_base; !times.empty())
     out.warnings.push_back(Tell("{}: {}", "{}: {}", log, times));
   out.rows += static_cast<std::int64_t>(rows.time.size());
-  out.pass = std::move(*pass);
+  out.pass = std::move(pass);
   return rows;
 }
 
@@ -83,23 +81,21 @@ double EpisodeLog::Seconds() const {
 }
 
 Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
-  const auto model = BuildStateModel(machine, machine.added_effects);
-  if (!model) return tl::unexpected(model.error());
-  if (const Status fine = EpisodeCutter::Check((*model)->machine); !fine) return tl::unexpected(fine.error());
+  const auto model = TRY(BuildStateModel(machine, machine.added_effects));
+  TRY(EpisodeCutter::Check(model->machine));
   EpisodeLog out;
   out.machine = machine;
   for (const std::string& log : logs) {
-    auto rows = ReadRows(log, machine, out);
-    if (!rows) return tl::unexpected(rows.error());
-    LeaveOutSensorEnds(log, machine, (*model)->outputs, *rows, out);
-    for (const SensorEnd& end : FlaggedInputEnds((*model)->machine, (*model)->inputs, *rows))
+    auto rows = TRY(ReadRows(log, machine, out));
+    LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
+    for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))
       out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
     EpisodeCutter cutter(
-        (*model)->machine, {(*model)->inputs, (*model)->outputs},
+        model->machine, {model->inputs, model->outputs},
         {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},
         [&](Episode&& episode, const StrokeCounters&) { out.episodes.push_back(std::move(episode)); });
-    cutter.ForgiveSpikes(SpikeShares(*rows));
-    cutter.Process(*rows);
+    cutter.ForgiveSpikes(SpikeShares(rows));
+    cutter.Process(rows);
     cutter.Finish();
     out.used += cutter.totals().used;
     out.warnings.insert(out.warnings.end(), cutter.warnings().begin(), cutter.warnings().end());

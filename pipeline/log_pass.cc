@@ -76,16 +76,16 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
     if (repeated) repeated->Flag(block);
     if (straight) straight->Inspect(block);
     monitor.Inspect(block);
-    if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
+    TRY(pass_on(block));
     progress.Update(reader.Progress(), reader.counters().rows);
   }
   if (straight) {
     straight->Flush(block);
     monitor.Inspect(block);
-    if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
+    TRY(pass_on(block));
   }
   monitor.Flush(block);
-  if (const Status passed = pass_on(block); !passed) return tl::unexpected(passed.error());
+  TRY(pass_on(block));
   if (pipeline) pipeline->Finish();
   TakeChannels(monitor, machine, pass);
   TakeCounters(reader, pipeline, pass.summary);

@@ -34,20 +34,18 @@ void FirstStrokes::AddStroke(const StrokeRecord& record) {
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
   if (InEpisodes(KindOf(machine))) return LogTrust{};  // which are not filtered
   FirstStrokes first(machine);
-  const auto pipeline = Pipeline::Create(machine, reader.SamplePeriod(),
-                                         [&](StrokeRecord&& record) { first.AddStroke(record); });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  (*pipeline)->set_tap(
+  const auto pipeline = TRY(Pipeline::Create(machine, reader.SamplePeriod(),
+                                             [&](StrokeRecord&& record) { first.AddStroke(record); }));
+  pipeline->set_tap(
       [&](const Stretch& stretch, const SpanEquations& equations) { first.AddStretch(stretch, equations); });
   SampleBlock block;
   for (;;) {
-    const auto rows = reader.Read(block, kRowsAtATime);
-    if (!rows) return tl::unexpected(rows.error());
-    if (*rows == 0) break;
-    (*pipeline)->Process(block);
+    const auto rows = TRY(reader.Read(block, kRowsAtATime));
+    if (rows == 0) break;
+    pipeline->Process(block);
   }
-  (*pipeline)->Finish();
-  return first.Judge(**pipeline);
+  pipeline->Finish();
+  return first.Judge(*pipeline);
 }
 
 std::vector<Told> LogTrust::Warnings() const {

@@ -171,14 +171,12 @@ Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
 }
 
 Status SizeWatch::Judge() const {
-  for (std::size_t s = 0; s < machine_.signals.size(); ++s)
-    if (const Status plausible = JudgeSignal(s); !plausible) return plausible;
+  for (std::size_t s = 0; s < machine_.signals.size(); ++s) TRY(JudgeSignal(s));
   for (const Condition& condition : KindOf(machine_).conditions) {
     const int signal = machine_.SignalIndex(condition.signal);
     const bool limited = condition.highest > condition.lowest && condition.of == Condition::Of::kMeanRate;
     if (!limited || signal < 0) continue;
-    if (const Status plausible = JudgeSpeed(condition, static_cast<std::size_t>(signal)); !plausible)
-      return plausible;
+    TRY(JudgeSpeed(condition, static_cast<std::size_t>(signal)));
   }
   return {};
 }
@@ -201,14 +199,13 @@ Status JudgeGeometry(const Machine& machine) {
 }
 
 Status JudgeSizes(const std::string& log, const Machine& machine) {
-  if (const Status plausible = JudgeGeometry(machine); !plausible) return plausible;
-  auto reader = OpenRecording(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
-  SizeWatch watch(machine, (*reader)->SamplePeriod());
+  TRY(JudgeGeometry(machine));
+  auto reader = TRY(OpenRecording(log, machine));
+  SizeWatch watch(machine, reader->SamplePeriod());
   SampleBlock block;
   Status seen;
   for (;;) {
-    const auto rows = (*reader)->Read(block, kRowsPerLook);
+    const auto rows = reader->Read(block, kRowsPerLook);
     if (!rows || *rows == 0) break;  // what stops the reading is told by the pass that follows
     watch.Observe(block);
     seen = watch.Judge();
@@ -220,7 +217,7 @@ Status JudgeSizes(const std::string& log, const Machine& machine) {
 
 Status JudgeStrokes(const std::string& database, const Machine& machine,
                     std::span<const StrokeSummary> strokes) {
-  if (const Status plausible = JudgeGeometry(machine); !plausible) return plausible;
+  TRY(JudgeGeometry(machine));
   const std::vector<Condition> conditions = ConditionsOf(machine);
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const Condition& condition = conditions[c];

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
 #include "core/result.h"
-#include "core/sample_block.h"
 #include "models/machine.h"
 
 namespace hydroscope {

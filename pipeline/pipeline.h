@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
 #include "core/result.h"
-#include "core/sample_block.h"
-#include "core/stroke_record.h"
 #include "estimation/span_equations.h"
 #include "models/machine.h"
 #include "models/model_structure.h"

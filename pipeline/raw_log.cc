@@ -29,7 +29,7 @@ class RawReader : public LogReader {
   }
 
   Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
-    if (const Status loaded = Load(); !loaded) return tl::unexpected(loaded.error());
+    TRY(Load());
     const std::size_t rows = std::min(max_rows, window_.time.size() - next_);
     block.Resize(names_.size(), rows);
     const auto begin = static_cast<std::ptrdiff_t>(next_), n = static_cast<std::ptrdiff_t>(rows);
@@ -70,9 +70,7 @@ class RawReader : public LogReader {
         continue;
       }
       const double end = std::min(to_, at_ + kSecondsAtOnce);
-      auto window = database_.LoadRaw(run.run, at_, end);
-      if (!window) return tl::unexpected(window.error());
-      window_ = std::move(*window);
+      window_ = TRY(database_.LoadRaw(run.run, at_, end));
       next_ = 0;
       at_ = end;
     }
@@ -109,28 +107,25 @@ bool EndsWithName(const std::string& machine, const std::string& axis) {
 
 /// The machine of the database that the name means.
 Result<std::int64_t> FindAxis(Database& database, const RawName& name) {
-  const auto machines = database.MachineNames();
-  if (!machines) return tl::unexpected(machines.error());
+  const auto machines = TRY(database.MachineNames());
   std::vector<std::string> fitting;
-  for (const std::string& machine : *machines)
+  for (const std::string& machine : machines)
     if (name.axis.empty() || EndsWithName(machine, name.axis)) fitting.push_back(machine);
   if (fitting.size() == 1) return database.MachineId(fitting.front());
   std::string all;
-  for (const std::string& machine : *machines) all += (all.empty() ? "" : ", ") + machine;
+  for (const std::string& machine : machines) all += (all.empty() ? "" : ", ") + machine;
   return BadInput("{}: '{}' names {} of its machines; expected one of: {} (as {}#{})", name.database,
                   name.axis, fitting.empty() ? "none" : "several", all, name.database,
-                  machines->empty() ? "axis" : machines->front());
+                  machines.empty() ? "axis" : machines.front());
 }
 
 Result<std::vector<RawExtent>> FindRuns(Database& database, const RawName& name) {
-  const auto axis = FindAxis(database, name);
-  if (!axis) return tl::unexpected(axis.error());
-  auto extents = database.RawExtents(*axis);
-  if (!extents) return tl::unexpected(extents.error());
+  const auto axis = TRY(FindAxis(database, name));
+  auto extents = TRY(database.RawExtents(axis));
   std::string kept;
-  for (const RawExtent& extent : *extents) kept += fmt::format("{}{}", kept.empty() ? "" : ", ", extent.run);
-  if (name.run != 0) std::erase_if(*extents, [&](const RawExtent& extent) { return extent.run != name.run; });
-  if (extents->empty())
+  for (const RawExtent& extent : extents) kept += fmt::format("{}{}", kept.empty() ? "" : ", ", extent.run);
+  if (name.run != 0) std::erase_if(extents, [&](const RawExtent& extent) { return extent.run != name.run; });
+  if (extents.empty())
     return BadInput("{}#{}: no raw rows are kept{}; runs with raw rows: {}", name.database, name.axis,
                     name.run != 0 ? fmt::format(" of run {}", name.run) : "", kept.empty() ? "none" : kept);
   return extents;
@@ -162,39 +157,35 @@ std::optional<RawName> ParseRawName(const std::string& log) {
 }
 
 Result<std::unique_ptr<LogReader>> OpenRaw(const RawName& name, const Machine& machine) {
-  auto database = Database::OpenReadOnly(name.database);
-  if (!database) return tl::unexpected(database.error());
-  const auto runs = FindRuns(*database, name);
-  if (!runs) return tl::unexpected(runs.error());
+  auto database = TRY(Database::OpenReadOnly(name.database));
+  const auto runs = TRY(FindRuns(database, name));
   if (!machine.live && !machine.log.sample_period)
     return BadInput(
         "{}: the machine file has no [live] grid_period; take the one the service "
         "ran with, or give [log] sample_period",
         name.database);
-  const double first = name.by_time ? 0 : runs->front().first;
+  const double first = name.by_time ? 0 : runs.front().first;
   return std::unique_ptr<LogReader>(
-      std::make_unique<RawReader>(std::move(*database), *runs, name.from ? first + *name.from : -kForever,
+      std::make_unique<RawReader>(std::move(database), runs, name.from ? first + *name.from : -kForever,
                                   name.to ? first + *name.to : kForever, machine));
 }
 
 Result<std::unique_ptr<LogReader>> OpenRawRun(const std::string& path, std::int64_t run, double from,
                                               double to, const Machine& machine) {
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
+  auto database = TRY(Database::OpenReadOnly(path));
   RawExtent extent;
   extent.run = run;
   extent.first = from;
   extent.last = to;
   return std::unique_ptr<LogReader>(std::make_unique<RawReader>(
-      std::move(*database), std::vector<RawExtent>{extent}, -kForever, kForever, machine));
+      std::move(database), std::vector<RawExtent>{extent}, -kForever, kForever, machine));
 }
 
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine) {
   if (const auto name = ParseRawName(log)) return OpenRaw(*name, machine);
   if (const auto named = ParseAxisLog(log)) {
-    const auto axis = AxisNamed(machine, named->axis);
-    if (!axis) return tl::unexpected(axis.error());
-    return OpenLog(named->path, MachineOfAxis(machine, *axis));
+    const auto axis = TRY(AxisNamed(machine, named->axis));
+    return OpenLog(named->path, MachineOfAxis(machine, axis));
   }
   if (HasNamedAxes(machine) && LogHoldsAllAxes(machine))
     return BadInput("{}: this log holds all axes; say which one is meant: {}#{}", log, log,
@@ -215,15 +206,13 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
 Result<LogFingerprint> FingerprintRecording(const std::string& log) {
   const auto name = ParseRawName(log);
   if (!name) return FingerprintLog(PathOfLog(log));
-  auto database = Database::OpenReadOnly(name->database);
-  if (!database) return tl::unexpected(database.error());
-  const auto runs = FindRuns(*database, *name);
-  if (!runs) return tl::unexpected(runs.error());
+  auto database = TRY(Database::OpenReadOnly(name->database));
+  const auto runs = TRY(FindRuns(database, *name));
   LogFingerprint print;
   const auto crc = [](std::uint32_t seed, double value) {
     return static_cast<std::uint32_t>(crc32(seed, reinterpret_cast<const Bytef*>(&value), sizeof(value)));
   };
-  for (const RawExtent& run : *runs) {
+  for (const RawExtent& run : runs) {
     print.size += static_cast<std::uint64_t>(run.bytes);
     print.head = crc(print.head, run.first);
     print.tail = crc(print.tail, run.last);

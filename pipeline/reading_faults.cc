@@ -20,19 +20,10 @@ constexpr double kSharp = 5;
 constexpr double kMost = 0.9;
 /// Rows that may be flagged between two readings: less than kSharp, so that steady motion over them is no jump.
 constexpr double kRowsBetween = 4.5;
-constexpr double kBinsPerOctave = 4, kLeastExponent = -40;
 /// Rows that tell whether a signal moves.
 constexpr std::int64_t kRowsToCompare = 1000;
 /// Of the variance: what is left of an echo is rounding.
 constexpr double kLeftOfEcho = 1e-8;
-
-std::size_t BinOf(double step, std::size_t bins) {
-  const double bin = kBinsPerOctave * (std::log2(step) - kLeastExponent);
-  return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(bins - 1)));
-}
-double SizeOfBin(std::size_t bin) {
-  return std::exp2(static_cast<double>(bin) / kBinsPerOctave + kLeastExponent);
-}
 
 }  // namespace
 
@@ -75,10 +66,10 @@ void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQ
 /// Judges the step before the last by those on either side of it.
 void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
   const double step = value - track.value, last = std::abs(track.step);
-  if (track.readings >= 1 && step != 0) ++track.all[BinOf(std::abs(step), kBins)];
+  if (track.readings >= 1 && step != 0) ++track.all[kBins.Of(std::abs(step))];
   if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) &&
       last > kSharp * std::abs(track.before)) {
-    const std::size_t bin = BinOf(last, kBins);
+    const std::size_t bin = kBins.Of(last);
     if (track.sharp[bin]++ == 0) track.first[bin] = track.time;
   }
   track.before = track.step;
@@ -90,18 +81,19 @@ void ReadingFaults::Follow(double time, double value, double reach, Track& track
 
 ReadingFaults::Jumps ReadingFaults::JumpsOf(const Track& track) {
   const std::int64_t steps = std::accumulate(track.all.begin(), track.all.end(), std::int64_t{0});
+  const auto size_of = [](std::size_t bin) { return kBins.SizeAt(static_cast<double>(bin)); };
   std::size_t bin = 0;
-  for (std::int64_t below = 0; bin < kBins; ++bin) {
+  for (std::int64_t below = 0; bin < kBins.count; ++bin) {
     below += track.all[bin];
     if (static_cast<double>(below) >= kMost * static_cast<double>(steps)) break;
   }
   Jumps jumps;
-  const double most = kSharp * SizeOfBin(bin + 1);
-  for (; bin < kBins; ++bin) {
-    if (SizeOfBin(bin) < most || track.sharp[bin] == 0) continue;
+  const double most = kSharp * size_of(bin + 1);
+  for (; bin < kBins.count; ++bin) {
+    if (size_of(bin) < most || track.sharp[bin] == 0) continue;
     if (jumps.count == 0 || track.first[bin] < jumps.first) jumps.first = track.first[bin];
     jumps.count += track.sharp[bin];
-    jumps.size = SizeOfBin(bin);
+    jumps.size = size_of(bin);
   }
   return jumps;
 }

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
-#include "core/sample_block.h"
+#include "core/log_bins.h"
+#include "core/records/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
 
@@ -35,14 +36,14 @@ class ReadingFaults {
   std::vector<Echo> Echoes() const;
 
  private:
-  static constexpr std::size_t kBins = 256;  ///< of the binary logarithm of a step
+  static constexpr LogBins kBins{.per_octave = 4, .least_exponent = -40, .count = 256};  ///< of steps
   struct Track {
     std::size_t signal = 0;
-    double value = 0, time = 0;                      ///< SI, s: of the last good reading
-    double step = 0, before = 0;                     ///< SI: to it, and to the one before
-    int readings = 0;                                ///< good ones on end, up to three
-    std::array<std::int64_t, kBins> all{}, sharp{};  ///< steps by size
-    std::array<double, kBins> first{};               ///< s, of the sharp ones
+    double value = 0, time = 0;                            ///< SI, s: of the last good reading
+    double step = 0, before = 0;                           ///< SI: to it, and to the one before
+    int readings = 0;                                      ///< good ones on end, up to three
+    std::array<std::int64_t, kBins.count> all{}, sharp{};  ///< steps by size
+    std::array<double, kBins.count> first{};               ///< s, of the sharp ones
   };
   static void Follow(double time, double value, double reach, Track& track);
   struct Jumps {

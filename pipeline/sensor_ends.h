@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
 

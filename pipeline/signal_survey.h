@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "models/machine.h"
 
 namespace hydroscope {

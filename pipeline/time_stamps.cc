@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "replay/time_check.h"
 
 namespace hydroscope {

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "pipeline/batch_fit.h"
 
 namespace hydroscope {

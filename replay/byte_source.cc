@@ -133,11 +133,10 @@ Result<bool> LineBuffer::Fill() {
                              kLongestLine >> 20));
       Reserve(capacity_ * 2);
     }
-    const auto got = source_->Read(buffer_.get() + end_, capacity_ - end_);
-    if (!got) return tl::unexpected(got.error());
+    const auto got = TRY(source_->Read(buffer_.get() + end_, capacity_ - end_));
     const std::size_t searched = end_;
-    end_ += *got;
-    if (*got == 0) {
+    end_ += got;
+    if (got == 0) {
       at_end_ = true;
       if (end_ == 0) return false;
       buffer_[end_++] = '\n';

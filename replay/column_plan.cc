@@ -123,11 +123,8 @@ void ReportTwins(const LogLayout& layout, const ColumnPlan& plan, LogCounters& c
 Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
                                LogCounters& counters) {
   ColumnPlan plan;
-  if (const Status time = PlanTime(layout, machine.log, origin, plan); !time)
-    return tl::unexpected(time.error());
-  for (const SignalSpec& spec : machine.signals)
-    if (const Status signal = PlanSignal(layout, spec, origin, plan, counters); !signal)
-      return tl::unexpected(signal.error());
+  TRY(PlanTime(layout, machine.log, origin, plan));
+  for (const SignalSpec& spec : machine.signals) TRY(PlanSignal(layout, spec, origin, plan, counters));
   ReportTwins(layout, plan, counters);
   return plan;
 }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "core/records/sample_block.h"
 #include "core/result.h"
-#include "core/sample_block.h"
 #include "models/machine.h"
 #include "replay/log_layout.h"
 #include "replay/log_reader.h"

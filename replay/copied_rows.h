@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/constants.h"
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "core/told.h"
 #include "replay/log_reader.h"
 

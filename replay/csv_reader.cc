@@ -34,17 +34,13 @@ std::string_view LineAt(const char* text) {
 Result<std::unique_ptr<CsvReader>> CsvReader::Open(std::unique_ptr<ByteSource> source, const Machine& machine,
                                                    const std::string& origin) {
   std::unique_ptr<CsvReader> reader(new CsvReader(std::move(source), machine, origin));
-  const auto first = reader->lines_.Fill();
-  if (!first) return tl::unexpected(first.error());
+  TRY(reader->lines_.Fill());
   const std::string_view head(reader->lines_.cursor(),
                               static_cast<std::size_t>(reader->lines_.limit() - reader->lines_.cursor()));
-  auto layout = DetectLayout(head.substr(0, kLayoutHead), machine.log, origin, head.size() <= kLayoutHead);
-  if (!layout) return tl::unexpected(layout.error());
-  reader->layout_ = std::move(*layout);
-  auto plan = PlanColumns(reader->layout_, machine, origin, reader->counters_);
-  if (!plan) return tl::unexpected(plan.error());
-  reader->plan_ = std::move(*plan);
-  if (const Status ready = reader->Prepare(machine.log); !ready) return tl::unexpected(ready.error());
+  reader->layout_ =
+      TRY(DetectLayout(head.substr(0, kLayoutHead), machine.log, origin, head.size() <= kLayoutHead));
+  reader->plan_ = TRY(PlanColumns(reader->layout_, machine, origin, reader->counters_));
+  TRY(reader->Prepare(machine.log));
   return reader;
 }
 
@@ -52,7 +48,7 @@ Status CsvReader::Prepare(const LogFormat& format) {
   lines_.Advance(lines_.cursor() + layout_.data_offset);
   line_ = layout_.data_line;
   MakeColumns();
-  if (const Status period = FindSamplePeriod(format); !period) return period;
+  TRY(FindSamplePeriod(format));
   time_check_ = TimeChecker(sample_period_);
   return {};
 }

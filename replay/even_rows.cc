@@ -147,9 +147,8 @@ Result<std::optional<EvenRows>> FindEvenRows(LogReader& log) {
   Stamps stamps;
   SampleBlock block;
   for (;;) {
-    const auto rows = log.Read(block, kRowsAtOnce);
-    if (!rows) return tl::unexpected(rows.error());
-    if (*rows == 0) break;
+    const auto rows = TRY(log.Read(block, kRowsAtOnce));
+    if (rows == 0) break;
     stamps.Add(block);
     if (stamps.times().size() > kMostRows) return std::nullopt;
   }

@@ -11,21 +11,19 @@ namespace hydroscope {
 namespace {
 
 Result<LogHead> ReadMatHead(const std::string& path, std::size_t rows) {
-  auto mat = MatColumns::Open(path);
-  if (!mat) return tl::unexpected(mat.error());
+  auto mat = TRY(MatColumns::Open(path));
   LogHead head;
   head.mat = true;
-  head.layout.names = (*mat)->names();
+  head.layout.names = mat->names();
   head.layout.units.assign(head.layout.names.size(), "");
   head.is_date.assign(head.layout.names.size(), false);
   std::int64_t longest = 0;
-  for (std::size_t c = 0; c < head.layout.names.size(); ++c) longest = std::max(longest, (*mat)->rows(c));
+  for (std::size_t c = 0; c < head.layout.names.size(); ++c) longest = std::max(longest, mat->rows(c));
   const auto wanted = static_cast<std::size_t>(std::min(longest, static_cast<std::int64_t>(rows)));
   for (std::size_t c = 0; c < head.layout.names.size(); ++c) {
     std::vector<double> column(wanted, kNaN);
-    const std::int64_t count = std::min((*mat)->rows(c), static_cast<std::int64_t>(wanted));
-    if (const Status read = (*mat)->Read(c, 0, count, column.data()); !read)
-      return tl::unexpected(read.error());
+    const std::int64_t count = std::min(mat->rows(c), static_cast<std::int64_t>(wanted));
+    TRY(mat->Read(c, 0, count, column.data()));
     head.columns.push_back(std::move(column));
   }
   return head;
@@ -47,24 +45,21 @@ void AddRow(const std::vector<std::string_view>& fields, LogHead& head) {
 
 Result<LogHead> ReadLogHead(const std::string& path, std::size_t rows, const LogFormat& hints) {
   if (IsMatFile(path)) return ReadMatHead(path, rows);
-  auto source = OpenFileSource(path);
-  if (!source) return tl::unexpected(source.error());
-  LineBuffer lines(std::move(*source), path);
-  if (const auto first = lines.Fill(); !first) return tl::unexpected(first.error());
+  auto source = TRY(OpenFileSource(path));
+  LineBuffer lines(std::move(source), path);
+  TRY(lines.Fill());
   const std::string_view text(lines.cursor(), static_cast<std::size_t>(lines.limit() - lines.cursor()));
-  auto layout = DetectLayout(text.substr(0, kLayoutHead), hints, path, text.size() <= kLayoutHead);
-  if (!layout) return tl::unexpected(layout.error());
+  auto layout = TRY(DetectLayout(text.substr(0, kLayoutHead), hints, path, text.size() <= kLayoutHead));
 
   LogHead head;
-  head.layout = std::move(*layout);
+  head.layout = std::move(layout);
   head.columns.resize(head.layout.names.size());
   head.is_date.assign(head.layout.names.size(), false);
   lines.Advance(lines.cursor() + head.layout.data_offset);
   std::vector<std::string_view> fields;
   while (head.rows() < rows) {
-    const auto more = lines.Fill();
-    if (!more) return tl::unexpected(more.error());
-    if (!*more) break;
+    const auto more = TRY(lines.Fill());
+    if (!more) break;
     const std::string_view rest(lines.cursor(), static_cast<std::size_t>(lines.limit() - lines.cursor()));
     const std::string_view line = rest.substr(0, rest.find('\n'));
     SplitFields(line, head.layout.separator, fields);

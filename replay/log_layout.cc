@@ -304,7 +304,7 @@ std::optional<std::size_t> LogLayout::Find(std::string_view column) const {
 
 Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, const std::string& origin,
                                bool complete) {
-  if (const Status text = CheckText(head, origin); !text) return tl::unexpected(text.error());
+  TRY(CheckText(head, origin));
   const auto candidates = CandidateDialects(hints);
   if (candidates.empty())
     return BadInput(Tell(

@@ -19,9 +19,8 @@ constexpr std::size_t kRowsOfHead = 1000;
 bool IsText(const std::string&) { return true; }
 
 Result<std::unique_ptr<LogReader>> OpenText(const std::string& path, const Machine& machine) {
-  auto source = OpenFileSource(path);
-  if (!source) return tl::unexpected(source.error());
-  return CsvReader::Open(std::move(*source), machine, path);
+  auto source = TRY(OpenFileSource(path));
+  return CsvReader::Open(std::move(source), machine, path);
 }
 
 Result<std::unique_ptr<LogReader>> OpenMat(const std::string& path, const Machine& machine) {

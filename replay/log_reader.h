@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/records/sample_block.h"
 #include "core/result.h"
-#include "core/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
 

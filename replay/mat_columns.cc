@@ -141,7 +141,7 @@ Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
     if (variable->name == nullptr) continue;
     const bool whole = variable->class_type == MAT_C_STRUCT;
     if (whole) {
-      if (const Status room = columns->Reserve(*variable); !room) return tl::unexpected(room.error());
+      TRY(columns->Reserve(*variable));
       matvar_t* read = Mat_VarRead(columns->file_, variable->name);
       if (read == nullptr) continue;
       Mat_VarFree(variable);
@@ -199,7 +199,7 @@ Status MatColumns::Reserve(const matvar_t& variable) {
 
 /// Reads the whole variable of a column into memory.
 Status MatColumns::Hold(Column& column) {
-  if (const Status room = Reserve(*column.variable); !room) return room;
+  TRY(Reserve(*column.variable));
   if (Mat_VarReadDataAll(file_, column.variable) != 0 || column.variable->data == nullptr)
     return BadInput(
         Tell("log '{}': variable '{}' of the MAT file is damaged or too big for the memory",
@@ -215,7 +215,7 @@ Status MatColumns::Read(std::size_t index, std::int64_t first, std::int64_t coun
   matvar_t* variable = column.variable;
   // Every slice of compressed data would be unpacked from the beginning.
   if (!column.held && variable->compression == MAT_COMPRESSION_ZLIB && Mat_GetVersion(file_) != MAT_FT_MAT73)
-    if (const Status held = Hold(column); !held) return held;
+    TRY(Hold(column));
   const std::int64_t start = column.start + first * column.stride;
   const std::size_t size = Mat_SizeOfClass(variable->class_type);
   if (column.held) {

@@ -15,23 +15,20 @@ constexpr std::int64_t kSliceRows = 16384;
 }  // namespace
 
 Result<std::unique_ptr<MatReader>> MatReader::Open(const std::string& path, const Machine& machine) {
-  auto columns = MatColumns::Open(path);
-  if (!columns) return tl::unexpected(columns.error());
+  auto columns = TRY(MatColumns::Open(path));
   std::unique_ptr<MatReader> reader(new MatReader);
-  reader->columns_ = std::move(*columns);
-  if (const Status ready = reader->Prepare(path, machine); !ready) return tl::unexpected(ready.error());
+  reader->columns_ = std::move(columns);
+  TRY(reader->Prepare(path, machine));
   return reader;
 }
 
 Status MatReader::Prepare(const std::string& path, const Machine& machine) {
   layout_.names = columns_->names();
-  auto plan = PlanColumns(layout_, machine, path, counters_);
-  if (!plan) return tl::unexpected(plan.error());
-  plan_ = std::move(*plan);
+  plan_ = TRY(PlanColumns(layout_, machine, path, counters_));
   signals_ = machine.signals.size();
   slice_.resize(signals_);
-  if (const Status lengths = CheckLengths(path); !lengths) return lengths;
-  if (const Status period = FindSamplePeriod(path, machine.log); !period) return period;
+  TRY(CheckLengths(path));
+  TRY(FindSamplePeriod(path, machine.log));
   time_check_ = TimeChecker(sample_period_);
   return {};
 }
@@ -60,7 +57,7 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
   }
   const auto column = static_cast<std::size_t>(plan_.time);
   std::vector<double> times(static_cast<std::size_t>(std::min(rows_, kFirstRows)));
-  if (const Status read = columns_->Read(column, 0, std::ssize(times), times.data()); !read) return read;
+  TRY(columns_->Read(column, 0, std::ssize(times), times.data()));
   std::erase_if(times, [](double time) { return !std::isfinite(time); });
   for (double& time : times) time *= plan_.time_scale;
   sample_period_ = SamplePeriodOf(times);
@@ -81,11 +78,10 @@ Status MatReader::LoadSlice() {
     out.resize(size);
     return columns_->Read(static_cast<std::size_t>(column), slice_first_, slice_rows_, out.data());
   };
-  if (plan_.time != ColumnPlan::kAbsent)
-    if (const Status time = read(plan_.time, time_slice_); !time) return time;
+  if (plan_.time != ColumnPlan::kAbsent) TRY(read(plan_.time, time_slice_));
   for (std::size_t s = 0; s < signals_; ++s) {
     if (plan_.column[s] == ColumnPlan::kAbsent) continue;
-    if (const Status signal = read(plan_.column[s], slice_[s]); !signal) return signal;
+    TRY(read(plan_.column[s], slice_[s]));
   }
   return {};
 }

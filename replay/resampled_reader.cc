@@ -67,10 +67,9 @@ class ResampledReader : public LogReader {
   /// Reads the next row into `after_`; false at the end of the log.
   Result<bool> Advance() {
     if (next_ == buffer_.rows()) {
-      const auto read = inner_->Read(buffer_, kRowsBuffered);
-      if (!read) return tl::unexpected(read.error());
+      const auto read = TRY(inner_->Read(buffer_, kRowsBuffered));
       next_ = 0;
-      over_ = *read == 0;
+      over_ = read == 0;
       if (over_) return false;
     }
     after_.time = buffer_.time[next_];

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "replay/log_reader.h"
 
 namespace hydroscope {

@@ -195,13 +195,12 @@ Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning) {
   const drift::DriftMonitor& monitor = *axis.monitor();
   const drift::Reference& reference = monitor.reference();
   const std::int64_t first = std::max(reference.last_sequence() + 1, axis.next_stroke() - kMostStrokesShown);
-  const auto values = axis.JudgedValues(first, axis.next_stroke() - first);
-  if (!values) return tl::unexpected(values.error());
-  out += LearnedFrom(reference, values->size(), CountedWordsOf(monitor.model().kind()));
+  const auto values = TRY(axis.JudgedValues(first, axis.next_stroke() - first));
+  out += LearnedFrom(reference, values.size(), CountedWordsOf(monitor.model().kind()));
   std::string moved, quiet;  // what has changed comes first
   for (int q = 0; q < monitor.model().size(); ++q) {
     const std::string& name = monitor.model().quantities()[q].name;
-    (ChangesOf(monitor, name).empty() ? quiet : moved) += QuantityPlots(monitor, q, *values);
+    (ChangesOf(monitor, name).empty() ? quiet : moved) += QuantityPlots(monitor, q, values);
   }
   return out + moved + quiet;
 }

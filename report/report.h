@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "core/result.h"
 #include "pipeline/stroke_overlays.h"
 #include "workbench/explain/headline.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "models/counted_words.h"
 #include "report/report.h"
 #include "report/report_parameters.h"

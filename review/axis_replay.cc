@@ -59,7 +59,7 @@ struct AxisReplay::ReportCollector {
 };
 
 Status AxisReplay::Store(ReplayOutcome& outcome) {
-  if (const Status ready = Prepare(); !ready) return ready;
+  TRY(Prepare());
   outcome.machine = machine_;
   for (std::size_t i = 0; i < share_.logs.size(); ++i) {
     const std::string count = share_.logs.size() > 1 ? fmt::format("{}/{} ", i + 1, share_.logs.size()) : "";
@@ -74,39 +74,31 @@ bool AxisReplay::IsOfEarlierModel(const std::string& settings) const {
 /// Takes over the promoted model; the text that describes the machine then.
 Result<std::string> AxisReplay::TakePromotedModel() {
   const std::string definition = ReadTextFile(options_.machine_file).value_or("");
-  auto promoted = PromotedFor(database_, options_.database, machine_id_, file_machine_, definition);
-  if (!promoted) return tl::unexpected(promoted.error());
-  if (!*promoted) return definition;
-  file_machine_ = std::move((*promoted)->machine);
+  auto promoted = TRY(PromotedFor(database_, options_.database, machine_id_, file_machine_, definition));
+  if (!promoted) return definition;
+  file_machine_ = std::move(promoted->machine);
   promoted_note_ = fmt::format("model version {} of the database is used, as it was promoted: {}",
-                               (*promoted)->version, ModelName(file_machine_));
-  return (*promoted)->text;
+                               promoted->version, ModelName(file_machine_));
+  return promoted->text;
 }
 
 Status AxisReplay::Prepare() {
-  const auto id = database_.MachineId(AxisMachineName(file_machine_, share_.axis));
-  if (!id) return tl::unexpected(id.error());
-  machine_id_ = *id;
-  const auto definition = TakePromotedModel();
-  if (!definition) return tl::unexpected(definition.error());
+  machine_id_ = TRY(database_.MachineId(AxisMachineName(file_machine_, share_.axis)));
+  const auto definition = TRY(TakePromotedModel());
   machine_ = MachineOfAxis(file_machine_, share_.axis);
-  const auto pipeline = Pipeline::Create(machine_, kAnyPeriod, [](StrokeRecord&&) {});
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  model_ = (*pipeline)->shared_model();
-  settings_ = FingerprintSettings(machine_, StateLayout(**pipeline));
-  if (const Status read = ReadEarlierSettings(); !read) return read;
-  const auto version = VersionFor(database_, machine_id_,
-                                  {1, *definition, model_->ColumnNames(), 0, model_->ConditionNames()});
-  if (!version) return tl::unexpected(version.error());
-  model_version_ = *version;
+  const auto pipeline = TRY(Pipeline::Create(machine_, kAnyPeriod, [](StrokeRecord&&) {}));
+  model_ = pipeline->shared_model();
+  settings_ = FingerprintSettings(machine_, StateLayout(*pipeline));
+  TRY(ReadEarlierSettings());
+  model_version_ = TRY(VersionFor(database_, machine_id_,
+                                  {1, definition, model_->ColumnNames(), 0, model_->ConditionNames()}));
   return {};
 }
 
 /// Settings of a replay with this machine file and the model of any stored version.
 Status AxisReplay::ReadEarlierSettings() {
-  const auto versions = database_.ModelVersions(machine_id_);
-  if (!versions) return tl::unexpected(versions.error());
-  for (const ModelVersion& version : *versions) {
+  const auto versions = TRY(database_.ModelVersions(machine_id_));
+  for (const ModelVersion& version : versions) {
     const auto stored = ParseMachine(version.definition, machine_.name);
     if (!stored) continue;
     Machine machine = machine_;
@@ -125,12 +117,10 @@ Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& 
       raw && std::filesystem::equivalent(raw->database, options_.database, ignored))
     return BadInput(
         "{}: this database holds the strokes of its raw window already; replay it into another one", log);
-  const auto print = FingerprintRecording(log);
-  if (!print) return tl::unexpected(print.error());
-  const RunFingerprint own{*print, settings_};
-  const auto runs = database_.Runs(machine_id_);
-  if (!runs) return tl::unexpected(runs.error());
-  for (const RunInfo& run : *runs) {
+  const auto print = TRY(FingerprintRecording(log));
+  const RunFingerprint own{print, settings_};
+  const auto runs = TRY(database_.Runs(machine_id_));
+  for (const RunInfo& run : runs) {
     RunFingerprint known;
     if (!RunFingerprint::Parse(run.fingerprint, known)) continue;
     if (known.log == own.log && known.settings != own.settings) {
@@ -156,10 +146,9 @@ Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& 
 
 /// The log, at the sample period of the machine's runs so far where that is nearly its own.
 Result<std::unique_ptr<LogReader>> AxisReplay::Open(const std::string& log, std::string& note) const {
-  const auto runs = database_.Runs(machine_id_);
-  if (!runs) return tl::unexpected(runs.error());
+  const auto runs = TRY(database_.Runs(machine_id_));
   double period = 0;
-  for (const RunInfo& run : *runs)
+  for (const RunInfo& run : runs)
     if (period <= 0) period = ParseRunSummary(run.summary_json).sample_period;
   return OpenRecording(log, machine_, period, note);
 }
@@ -201,23 +190,21 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   std::int64_t silent = 0;  // episodes that tell of no parameter
   std::optional<ReportCollector> collector;
   FirstStrokes first(machine_);
-  auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
+  auto created = TRY(Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
     if (collector) collector->AddStroke(record);
     first.AddStroke(record);
     silent += record.estimates.empty() ? 1 : 0;
     batch.push_back(std::move(record));
-  });
-  if (!created) return tl::unexpected(created.error());
-  Pipeline& pipeline = **created;
+  }));
+  Pipeline& pipeline = *created;
   if (!report_.empty() && ShowsStretches()) collector.emplace(pipeline, machine_);
   pipeline.set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
     first.AddStretch(stretch, equations);
     if (collector) collector->AddStretch(stretch, equations);
   });
-  const auto state = database_.PipelineStateBefore(replay.run.id);
-  if (!state) return tl::unexpected(state.error());
-  if (*state)
-    if (const Status restored = pipeline.RestoreState(**state); !restored)
+  const auto state = TRY(database_.PipelineStateBefore(replay.run.id));
+  if (state)
+    if (const Status restored = pipeline.RestoreState(*state); !restored)
       replay.notes.push_back("the estimator starts anew: " + restored.error().text);
 
   std::int64_t strokes = 0;
@@ -230,15 +217,14 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   };
   LogPassHooks hooks;
   hooks.after_block = [&] { return store(kStrokesPerTransaction); };
-  auto pass = PassLog(reader, machine_, &pipeline, what, hooks);
-  if (!pass) return tl::unexpected(pass.error());
-  if (const Status stored = store(1); !stored) return stored;
-  replay.summary = std::move(pass->summary);
+  auto pass = TRY(PassLog(reader, machine_, &pipeline, what, hooks));
+  TRY(store(1));
+  replay.summary = std::move(pass.summary);
   const LogTrust trust = first.Judge(pipeline);
   replay.summary.warnings = InEnglish(trust.Warnings());
-  if (!pass->no_verdict.empty()) replay.summary.warnings.push_back(pass->no_verdict.english);
-  replay.summary.impossible = pass->no_verdict.english;
-  for (const ReadingFaults::Echo& echo : pass->echoes)
+  if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
+  replay.summary.impossible = pass.no_verdict.english;
+  for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(
@@ -246,10 +232,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
                     CountedWordsOf(machine_).Counted(strokes), SilentEpisode(machine_)));
   if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence.english;
   replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
-  if (const Status finished =
-          database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState());
-      !finished)
-    return finished;
+  TRY(database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState()));
   replay.run.strokes = strokes;
   replay.run.complete = true;
   if (collector) Take(*collector, replay.run);
@@ -273,19 +256,14 @@ Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
     if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;
   if (last == nullptr || last->run.id == overlay_run_) return {};
   std::string note;
-  auto reader = Open(last->log, note);
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(Open(last->log, note));
   std::optional<ReportCollector> collector;
-  auto pipeline = Pipeline::Create(machine_, (*reader)->SamplePeriod(),
-                                   [&](StrokeRecord&& record) { collector->AddStroke(record); });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  collector.emplace(**pipeline, machine_);
-  const auto state = database_.PipelineStateBefore(last->run.id);
-  if (!state) return tl::unexpected(state.error());
-  if (*state)
-    static_cast<void>((*pipeline)->RestoreState(**state));  // as the run itself: anew if it does not fit
-  const auto pass = PassLog(**reader, machine_, pipeline->get(), "overlay for the report");
-  if (!pass) return tl::unexpected(pass.error());
+  auto pipeline = TRY(Pipeline::Create(machine_, reader->SamplePeriod(),
+                                       [&](StrokeRecord&& record) { collector->AddStroke(record); }));
+  collector.emplace(*pipeline, machine_);
+  const auto state = TRY(database_.PipelineStateBefore(last->run.id));
+  if (state) static_cast<void>(pipeline->RestoreState(*state));  // as the run itself: anew if it does not fit
+  const auto pass = TRY(PassLog(*reader, machine_, pipeline.get(), "overlay for the report"));
   Take(*collector, last->run);
   return {};
 }
@@ -304,18 +282,17 @@ bool AxisReplay::AddChange(const ReplayOutcome& outcome, ReportInput& input) con
 
 Status AxisReplay::Report(ReplayOutcome& outcome) {
   if (report_.empty() || outcome.runs.empty()) return {};
-  if (const Status collected = CollectOverlays(outcome); !collected) return collected;
-  auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
-  if (!input) return tl::unexpected(input.error());
-  input->alarms = outcome.watch.alarms;
-  input->drift_verdict = outcome.watch.verdict_html;
-  input->drift = outcome.watch.section_html;
-  if (strokes_ && !AddChange(outcome, *input)) {
+  TRY(CollectOverlays(outcome));
+  auto input = TRY(MakeReportInput(database_, machine_id_, outcome, std::move(overlays_)));
+  input.alarms = outcome.watch.alarms;
+  input.drift_verdict = outcome.watch.verdict_html;
+  input.drift = outcome.watch.section_html;
+  if (strokes_ && !AddChange(outcome, input)) {
     if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained)
-      AddExplanation(*explained, "", *input);
+      AddExplanation(*explained, "", input);
   }
   outcome.report = report_;
-  return WriteReport(report_, *input);
+  return WriteReport(report_, input);
 }
 
 }  // namespace hydroscope

@@ -107,10 +107,9 @@ std::vector<Estimate> LatestOf(const std::vector<TrendPoint>& trend) {
 /// Of a machine that is followed from episode to episode, each was predicted with the parameters as they stood before it. Medians over
 /// the last run; no fit.
 Status TakeErrorsOfEpisodes(const Database& database, const RunInfo& run, ReplayOutcome& outcome) {
-  const auto episodes = database.Strokes(run.id);
-  if (!episodes) return tl::unexpected(episodes.error());
+  const auto episodes = TRY(database.Strokes(run.id));
   std::vector<double> errors, floors;
-  for (const StrokeSummary& episode : *episodes) {
+  for (const StrokeSummary& episode : episodes) {
     errors.push_back(episode.rms_error);
     floors.push_back(episode.noise_floor);
   }
@@ -127,19 +126,18 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   if (run == outcome.runs.rend()) return {};
   if (InEpisodes(KindOf(outcome.machine))) return TakeErrorsOfEpisodes(database, *run, outcome);
   const std::int64_t end = run->first_sequence + run->strokes;
-  const auto grams = database.Grams(machine_id, std::max(run->first_sequence, end - kMostStrokesFitted), end);
-  if (!grams) return tl::unexpected(grams.error());
+  const auto grams =
+      TRY(database.Grams(machine_id, std::max(run->first_sequence, end - kMostStrokesFitted), end));
   const double period = ParseRunSummary(run->summary_json).sample_period;
-  if (!(period > 0) || grams->empty() || grams->front().flow.dimension() != model.column_count()) return {};
+  if (!(period > 0) || grams.empty() || grams.front().flow.dimension() != model.column_count()) return {};
   WindowSamples window = WindowSamples::From(outcome.machine.window, period);
   window.level_form = model.level_form;
   StrokeHistory history;
-  auto structure = BuildModel(outcome.machine);
-  if (!structure) return tl::unexpected(structure.error());
+  auto structure = TRY(BuildModel(outcome.machine));
   history.machine = outcome.machine;
-  history.model = std::move(*structure);
+  history.model = std::move(structure);
   history.window = window;
-  history.units = std::move(*grams);
+  history.units = std::move(grams);
   const auto fitted = FitHistoryModel(outcome.machine, history);
   if (!fitted) return {};  // too little excitation is told parameter by parameter
   outcome.figures = fitted->figures;
@@ -163,19 +161,16 @@ void WidenByLastRun(ReplayOutcome& outcome) {
 
 Status CollectOutcome(const Database& database, std::int64_t machine_id, const ModelStructure& model,
                       ReplayOutcome& outcome) {
-  auto runs = database.Runs(machine_id);
-  if (!runs) return tl::unexpected(runs.error());
-  outcome.runs = std::move(*runs);
+  outcome.runs = TRY(database.Runs(machine_id));
   Sums sums;
   for (const RunInfo& run : outcome.runs) {
     outcome.strokes += run.strokes;
     AddRun(run, sums);
   }
   outcome.skipped = Skipped(sums, outcome.machine, outcome.logs);
-  const auto trend = database.Trend(machine_id, "", std::max<std::int64_t>(0, outcome.strokes - 1));
-  if (!trend) return tl::unexpected(trend.error());
-  outcome.latest = LatestOf(*trend);
-  if (const Status fitted = FitLastRun(database, machine_id, model, outcome); !fitted) return fitted;
+  const auto trend = TRY(database.Trend(machine_id, "", std::max<std::int64_t>(0, outcome.strokes - 1)));
+  outcome.latest = LatestOf(trend);
+  TRY(FitLastRun(database, machine_id, model, outcome));
   WidenByLastRun(outcome);
   return {};
 }
@@ -187,17 +182,14 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   input.machine = outcome.machine;
   input.runs = outcome.runs;
   for (const RunInfo& run : outcome.runs) {
-    auto strokes = database.Strokes(run.id);
-    if (!strokes) return tl::unexpected(strokes.error());
-    for (StrokeSummary& stroke : *strokes) {
+    auto strokes = TRY(database.Strokes(run.id));
+    for (StrokeSummary& stroke : strokes) {
       stroke.index += run.first_sequence;
       input.strokes.push_back(stroke);
     }
     input.rows += ParseRunSummary(run.summary_json).rows;
   }
-  auto trends = database.Trend(machine_id, "");
-  if (!trends) return tl::unexpected(trends.error());
-  input.trends = std::move(*trends);
+  input.trends = TRY(database.Trend(machine_id, ""));
   if (auto blocks = EstimateBlocks(database, machine_id, outcome.machine, input.strokes); blocks)
     input.blocks = std::move(*blocks);
   else

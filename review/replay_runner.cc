@@ -33,34 +33,28 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   for (const AlarmState& alarm : axis.alarms())
     if (!AtRest(alarm)) watch.alarms.push_back(alarm);
   if (!for_report) return {};
-  auto section = DriftSection(axis, press.rules().commissioning);
-  if (!section) return tl::unexpected(section.error());
-  watch.section_html = std::move(*section);
+  watch.section_html = TRY(DriftSection(axis, press.rules().commissioning));
   watch.verdict_html = AlarmsBox(press.alarms(), axis.alarms(), axis.counted());
   return {};
 }
 
 /// Judges the strokes that are new in the database, as the live service does stroke by stroke.
 Status WatchForDrift(const ReplayOptions& options, const Machine& machine, PressReplay& replay) {
-  auto database = Database::Open(options.database);
-  if (!database) return tl::unexpected(database.error());
-  auto axes = StoredAxes(options.database, machine, *database);
-  if (!axes) return tl::unexpected(axes.error());
+  auto database = TRY(Database::Open(options.database));
+  auto axes = TRY(StoredAxes(options.database, machine, database));
   const auto created =
-      PressMonitor::Create(options.machine_file, machine.name, std::move(*axes), options.database);
-  if (!created) return tl::unexpected(created.error());
-  PressMonitor& press = **created;
+      TRY(PressMonitor::Create(options.machine_file, machine.name, std::move(axes), options.database));
+  PressMonitor& press = *created;
   if (const Status watchable = press.watchable(); !watchable) {
     for (ReplayOutcome& outcome : replay.machines) outcome.watch.problem = watchable.error().text;
     return {};
   }
-  if (const Status judged = press.CatchUp(WallSeconds()); !judged) return judged;
+  TRY(press.CatchUp(WallSeconds()));
   for (const AlarmState& alarm : press.alarms())
     if (!AtRest(alarm)) replay.alarms.push_back(alarm);
   for (ReplayOutcome& outcome : replay.machines)
     if (const AxisMonitor* axis = press.Find(outcome.machine.name))
-      if (const Status taken = TakeWatch(press, *axis, !options.report.empty(), outcome.watch); !taken)
-        return taken;
+      TRY(TakeWatch(press, *axis, !options.report.empty(), outcome.watch));
   return {};
 }
 
@@ -100,27 +94,20 @@ bool PressReplay::Failed() const {
 }
 
 Result<PressReplay> RunReplay(const ReplayOptions& options) {
-  const auto machine = LoadMachine(options.machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto shares = ShareOutLogs(*machine, options.logs, options.axis);
-  if (!shares) return tl::unexpected(shares.error());
+  const auto machine = TRY(LoadMachine(options.machine_file));
+  const auto shares = TRY(ShareOutLogs(machine, options.logs, options.axis));
   PressReplay replay;
-  if (HasNamedAxes(*machine)) replay.press = machine->name;
+  if (HasNamedAxes(machine)) replay.press = machine.name;
   std::vector<std::unique_ptr<AxisReplay>> axes;
-  for (const LogsOfAxis& share : *shares) {
-    auto database = Database::Open(options.database);
-    if (!database) return tl::unexpected(database.error());
+  for (const LogsOfAxis& share : shares) {
+    auto database = TRY(Database::Open(options.database));
     const std::string report =
-        shares->size() > 1 ? ReportOfAxis(options.report, machine->live->axes[share.axis]) : options.report;
-    axes.push_back(std::make_unique<AxisReplay>(options, share, report, *machine, std::move(*database)));
-    if (const Status stored = axes.back()->Store(replay.machines.emplace_back()); !stored)
-      return tl::unexpected(stored.error());
+        shares.size() > 1 ? ReportOfAxis(options.report, machine.live->axes[share.axis]) : options.report;
+    axes.push_back(std::make_unique<AxisReplay>(options, share, report, machine, std::move(database)));
+    TRY(axes.back()->Store(replay.machines.emplace_back()));
   }
-  if (const Status judged = WatchForDrift(options, *machine, replay); !judged)
-    return tl::unexpected(judged.error());
-  for (std::size_t a = 0; a < axes.size(); ++a)
-    if (const Status written = axes[a]->Report(replay.machines[a]); !written)
-      return tl::unexpected(written.error());
+  TRY(WatchForDrift(options, machine, replay));
+  for (std::size_t a = 0; a < axes.size(); ++a) TRY(axes[a]->Report(replay.machines[a]));
   return replay;
 }
 

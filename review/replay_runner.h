@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
-#include "core/records.h"
+#include "core/records/alarm_records.h"
+#include "core/records/estimate.h"
 #include "core/result.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"

@@ -64,19 +64,18 @@ void Describe(LogColumn& column) {
 }  // namespace
 
 Result<LogColumns> ReadLogColumns(const std::string& path) {
-  auto head = ReadLogHead(path, kRowsLookedAt);
-  if (!head) return tl::unexpected(head.error());
+  auto head = TRY(ReadLogHead(path, kRowsLookedAt));
   LogColumns log;
   log.path = path;
-  log.rows = head->rows();
-  log.layout = std::move(head->layout);
+  log.rows = head.rows();
+  log.layout = std::move(head.layout);
   for (std::size_t i = 0; i < log.layout.names.size(); ++i) {
     LogColumn column;
     column.reference = ReferenceOf(log.layout, i);
     column.name = log.layout.names[i];
     column.unit = log.layout.units[i];
-    column.date = head->is_date[i];
-    column.value = std::move(head->columns[i]);
+    column.date = head.is_date[i];
+    column.value = std::move(head.columns[i]);
     for (double& value : column.value)
       if (!std::isfinite(value)) value = kNaN;
     Describe(column);

@@ -99,10 +99,9 @@ std::string AccessStore::PathFor(const std::string& database) { return PathBesid
 Result<AccessStore> AccessStore::Open(const std::string& database) {
   const std::string path = PathFor(database);
   CreateForOwner(path, database);
-  if (const Status secret = CheckSecret(path, "users"); !secret) return tl::unexpected(secret.error());
-  auto impl = OpenOrMake<Impl>(path, PrepareAccess);
-  if (!impl) return tl::unexpected(impl.error());
-  return AccessStore(std::move(*impl));
+  TRY(CheckSecret(path, "users"));
+  auto impl = TRY(OpenOrMake<Impl>(path, PrepareAccess));
+  return AccessStore(std::move(impl));
 }
 
 Result<AccessStore> AccessStore::OpenExisting(const std::string& database) {

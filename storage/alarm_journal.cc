@@ -134,8 +134,7 @@ Status CheckKind(SQLite::Database& db, const std::string& path) {
 Status Prepare(SQLite::Database& db, const std::string& path) {
   const bool fresh = db.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0 &&
                      db.execAndGet("PRAGMA application_id").getInt() == 0;
-  if (!fresh)
-    if (const Status ours = CheckKind(db, path); !ours) return ours;
+  if (!fresh) TRY(CheckKind(db, path));
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = FULL");
   const auto version = [&] { return db.execAndGet("PRAGMA user_version").getInt(); };
@@ -247,7 +246,7 @@ Status Exists(const std::string& path) {
 
 /// A journal of the present format.
 Status CheckJournalForReading(SQLite::Database& db, const std::string& path) {
-  if (const Status ours = CheckKind(db, path); !ours) return ours;
+  TRY(CheckKind(db, path));
   if (db.execAndGet("PRAGMA user_version").getInt() == kJournalFormat) return {};
   return BadInput(Tell("{} has an older journal format and is not migrated",
                        "{} hat ein älteres Journalformat und ist nicht umgestellt", path));
@@ -279,18 +278,17 @@ AlarmJournal::~AlarmJournal() = default;
 std::string AlarmJournal::PathFor(const std::string& database) { return PathBeside(database, "alarms"); }
 
 Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
-  auto impl = OpenOrMake<Impl>(path, Prepare);
-  if (!impl) return tl::unexpected(impl.error());
-  return AlarmJournal(std::move(*impl));
+  auto impl = TRY(OpenOrMake<Impl>(path, Prepare));
+  return AlarmJournal(std::move(impl));
 }
 
 Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {
-  if (const Status there = Exists(path); !there) return tl::unexpected(there.error());
+  TRY(Exists(path));
   return Open(path);
 }
 
 Result<AlarmJournal> AlarmJournal::OpenReadOnly(const std::string& path) {
-  if (const Status there = Exists(path); !there) return tl::unexpected(there.error());
+  TRY(Exists(path));
   auto impl = OpenForReading<Impl>(path, CheckJournalForReading);
   // One of an older format: whoever may write brings it to the present one.
   if (!impl) return Open(path);
@@ -320,7 +318,7 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     AxisContent content{LoadAlarms(*impl_, machine), LoadMonitor(*impl_, machine), {}, {}};
     const AxisContent before = content;
-    if (const Status changed = change(content); !changed) return changed;
+    TRY(change(content));
     for (const AlarmState& alarm : content.alarms)
       if (!Contains(before.alarms, alarm)) StoreAlarm(*impl_, machine, alarm);
     if (content.monitor.next_stroke != before.monitor.next_stroke ||

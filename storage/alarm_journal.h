@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "core/result.h"
 
 namespace hydroscope {

@@ -170,7 +170,7 @@ Result<std::unique_ptr<Kind>> OpenOrMake(const std::string& path, const Prepare&
   return Guarded(path, nullptr, [&]() -> Result<std::unique_ptr<Kind>> {
     CreateForOwnerAndGroup(path);
     auto kind = std::make_unique<Kind>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    if (const Status prepared = prepare(kind->db, path); !prepared) return tl::unexpected(prepared.error());
+    TRY(prepare(kind->db, path));
     return kind;
   });
 }
@@ -187,7 +187,7 @@ Result<std::unique_ptr<Kind>> OpenForReading(const std::string& path, const Chec
     return Guarded(path, nullptr, [&]() -> Result<std::unique_ptr<Kind>> {
       auto kind = std::make_unique<Kind>(path, name, flags);
       kind->db.exec("PRAGMA query_only = ON");
-      if (const Status ours = check(kind->db, path); !ours) return tl::unexpected(ours.error());
+      TRY(check(kind->db, path));
       return kind;
     });
   };
@@ -203,7 +203,7 @@ template <typename Body>
 Status InTransaction(Connection& connection, Body&& body) {
   const Status done = Guarded(connection.path, &connection.db, [&]() -> Status {
     SQLite::Transaction transaction(connection.db, SQLite::TransactionBehavior::IMMEDIATE);
-    if (const Status status = body(); !status) return status;
+    TRY(body());
     transaction.commit();
     return {};
   });

@@ -63,28 +63,26 @@ Database& Database::operator=(Database&&) noexcept = default;
 Database::~Database() = default;
 
 Result<Database> Database::Open(const std::string& path) {
-  if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
+  TRY(CheckPath(path));
   std::unique_ptr<Impl> impl;
-  const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+  TRY(Guarded(path, nullptr, [&]() -> Status {
     CreateForOwnerAndGroup(path);
     impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     return PrepareForWriting(impl->db, path);
-  });
-  if (!prepared) return tl::unexpected(prepared.error());
+  }));
   return Database(std::move(impl));
 }
 
 Result<Database> Database::OpenReadOnly(const std::string& path) {
-  if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
+  TRY(CheckPath(path));
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return BadInput(
         Tell("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
              "es gibt keine Datenbank {}; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
              path));
-  auto impl = OpenForReading<Impl>(path, CheckForReading);
-  if (!impl) return tl::unexpected(impl.error());
-  return Database(std::move(*impl));
+  auto impl = TRY(OpenForReading<Impl>(path, CheckForReading));
+  return Database(std::move(impl));
 }
 
 Result<std::string> Database::Identity() const {
@@ -166,7 +164,7 @@ Result<std::vector<ModelVersion>> Database::ModelVersions(std::int64_t machine) 
 }
 
 Status Database::PromoteModel(std::int64_t machine, int version) {
-  if (const auto model = GetModelVersion(machine, version); !model) return tl::unexpected(model.error());
+  TRY(GetModelVersion(machine, version));
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     Query(*impl_,
           "UPDATE model_version SET promoted = (SELECT max(promoted) + 1 FROM model_version WHERE machine = "

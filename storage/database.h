@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
+#include "core/records/valve_check.h"
 #include "core/result.h"
-#include "core/sample_block.h"
-#include "core/stroke_record.h"
-#include "core/valve_check.h"
 #include "storage/live_batch.h"
 
 namespace hydroscope {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/told_error.h"
-#include "storage/gram_codec.h"
+#include "storage/blobs/gram_codec.h"
 
 namespace hydroscope {
 namespace {
@@ -30,9 +30,8 @@ Status FollowGroup(Connection& connection, const RunRow& run, std::int64_t seque
   GroupUnderWay& group = connection.memory[run.machine].group;
   if (sequence % kRollupStrokes.front() == 0) group = {.next = sequence};
   if (group.next != sequence) return group.next = -1, Status();
-  const auto gram = DecodeGram(bytes);
-  if (!gram) return tl::unexpected(gram.error());
-  group.uniform = group.uniform && AddStroke(group.sum, run.model_version, *gram);
+  const auto gram = TRY(DecodeGram(bytes));
+  group.uniform = group.uniform && AddStroke(group.sum, run.model_version, gram);
   ++group.next;
   return {};
 }
@@ -44,12 +43,10 @@ Result<std::optional<Rollup>> SumOfStrokes(Connection& connection, std::int64_t 
   if (group.next == last) return group.uniform ? std::optional<Rollup>(group.sum) : std::nullopt;
   Rollup sum;
   bool uniform = true;
-  const Status read =
-      ForEachGram(connection, machine, first, last, [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
-        uniform = uniform && AddStroke(sum, run.model_version, gram);
-        return Status();
-      });
-  if (!read) return tl::unexpected(read.error());
+  TRY(ForEachGram(connection, machine, first, last, [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
+    uniform = uniform && AddStroke(sum, run.model_version, gram);
+    return Status();
+  }));
   return uniform ? std::optional<Rollup>(std::move(sum)) : std::nullopt;
 }
 
@@ -58,11 +55,10 @@ Result<std::optional<Rollup>> SumOfGroups(Connection& connection, std::int64_t m
                                           std::int64_t last, std::int64_t group) {
   Rollup sum;
   for (std::int64_t at = first; at < last; at += group) {
-    const auto part = FindRollup(connection, machine, group, at);
-    if (!part) return tl::unexpected(part.error());
-    if (!*part) return std::optional<Rollup>();
-    if (sum.model_version == 0) sum.model_version = (*part)->model_version;
-    if (sum.model_version != (*part)->model_version || !AddGram(sum.gram, (*part)->gram))
+    const auto part = TRY(FindRollup(connection, machine, group, at));
+    if (!part) return std::optional<Rollup>();
+    if (sum.model_version == 0) sum.model_version = part->model_version;
+    if (sum.model_version != part->model_version || !AddGram(sum.gram, part->gram))
       return std::optional<Rollup>();
   }
   return std::optional<Rollup>(std::move(sum));
@@ -117,8 +113,7 @@ Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t fi
         return BadInput(Tell("{}: run {} ({}), stroke {}: Gram {}",
                              "{}: Lauf {} ({}), Hub {}: Produktsumme {}", connection.path, run.id, run.source,
                              stroke, gram.error().text));
-      if (const Status visited = visit(run, run.first_sequence + stroke, std::move(*gram)); !visited)
-        return visited;
+      TRY(visit(run, run.first_sequence + stroke, std::move(*gram)));
     }
   }
   return {};
@@ -126,21 +121,20 @@ Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t fi
 
 Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const std::uint8_t> gram) {
   const std::int64_t machine = run.machine, sequence = run.first_sequence + run.strokes - 1;
-  if (const Status followed = FollowGroup(connection, run, sequence, gram); !followed) return followed;
+  TRY(FollowGroup(connection, run, sequence, gram));
   std::int64_t smaller = 1;
   for (const std::int64_t group : kRollupStrokes) {
     const std::int64_t last = sequence + 1;
     if (last % group != 0) return {};
     const std::int64_t first = last - group;
-    const auto sum = smaller == 1 ? SumOfStrokes(connection, machine, first, last)
-                                  : SumOfGroups(connection, machine, first, last, smaller);
-    if (!sum) return tl::unexpected(sum.error());
-    if (!*sum) return {};
-    const auto bytes = EncodeGram((*sum)->gram, NoisePrecision::kDouble);
+    const auto sum = TRY(smaller == 1 ? SumOfStrokes(connection, machine, first, last)
+                                      : SumOfGroups(connection, machine, first, last, smaller));
+    if (!sum) return {};
+    const auto bytes = EncodeGram(sum->gram, NoisePrecision::kDouble);
     Query(
         connection,
         "INSERT INTO gram_rollup(machine, strokes, first_sequence, model_version, gram) VALUES(?, ?, ?, ?, ?)",
-        machine, group, first, (*sum)->model_version, bytes)
+        machine, group, first, sum->model_version, bytes)
         .Run();
     smaller = group;
   }
@@ -151,12 +145,10 @@ Result<std::vector<StrokeGram>> Database::Grams(std::int64_t machine, std::int64
                                                 std::int64_t last) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<StrokeGram>> {
     std::vector<StrokeGram> grams;
-    const Status read =
-        ForEachGram(*impl_, machine, first, last, [&](const RunRow&, std::int64_t, StrokeGram&& gram) {
-          grams.push_back(std::move(gram));
-          return Status();
-        });
-    if (!read) return tl::unexpected(read.error());
+    TRY(ForEachGram(*impl_, machine, first, last, [&](const RunRow&, std::int64_t, StrokeGram&& gram) {
+      grams.push_back(std::move(gram));
+      return Status();
+    }));
     return grams;
   });
 }

@@ -5,8 +5,8 @@
 #include <functional>
 #include <optional>
 
+#include "core/records/stroke_gram.h"
 #include "core/result.h"
-#include "core/stroke_gram.h"
 #include "storage/connection.h"
 
 namespace hydroscope {

@@ -49,11 +49,9 @@ Result<std::int64_t> AddRollup(Connection& connection, std::int64_t machine, std
                                std::int64_t last, GramSum& sum) {
   for (auto group = kRollupStrokes.rbegin(); group != kRollupStrokes.rend(); ++group) {
     if (at % *group != 0 || at + *group > last) continue;
-    const auto rollup = FindRollup(connection, machine, *group, at);
-    if (!rollup) return tl::unexpected(rollup.error());
-    if (!*rollup) continue;
-    if (const Status added = sum.Add((*rollup)->model_version, at, (*rollup)->gram); !added)
-      return tl::unexpected(added.error());
+    const auto rollup = TRY(FindRollup(connection, machine, *group, at));
+    if (!rollup) continue;
+    TRY(sum.Add(rollup->model_version, at, rollup->gram));
     return *group;
   }
   return 0;
@@ -69,18 +67,15 @@ Result<StrokeGram> Database::SumGrams(std::int64_t machine, std::int64_t first, 
         runs.empty() ? 0 : std::min(last, runs.back().first_sequence + runs.back().strokes);
     GramSum sum(*impl_, machine);
     for (std::int64_t at = std::max<std::int64_t>(first, 0); at < end;) {
-      const auto covered = AddRollup(*impl_, machine, at, end, sum);
-      if (!covered) return tl::unexpected(covered.error());
-      if (*covered > 0) {
-        at += *covered;
+      const auto covered = TRY(AddRollup(*impl_, machine, at, end, sum));
+      if (covered > 0) {
+        at += covered;
         continue;
       }
       const std::int64_t next = std::min(end, (at / kRollupStrokes[0] + 1) * kRollupStrokes[0]);
-      const Status added =
-          ForEachGram(*impl_, machine, at, next, [&](const RunRow& run, std::int64_t n, StrokeGram&& g) {
-            return sum.Add(run.model_version, n, g);
-          });
-      if (!added) return tl::unexpected(added.error());
+      TRY(ForEachGram(*impl_, machine, at, next, [&](const RunRow& run, std::int64_t n, StrokeGram&& g) {
+        return sum.Add(run.model_version, n, g);
+      }));
       at = next;
     }
     return sum.sum();

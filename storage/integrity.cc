@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/told_error.h"
+#include "storage/blobs/content_hash.h"
 #include "storage/connection.h"
-#include "storage/content_hash.h"
 #include "storage/database.h"
 #include "storage/gram_rollup.h"
 
@@ -78,16 +78,15 @@ std::vector<std::int64_t> MachineIds(Connection& connection) {
 }  // namespace
 
 Status Database::Check(const std::string& path, const std::stop_token& stop) {
-  const auto database = OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
+  const auto database = TRY(OpenReadOnly(path));
   constexpr int kInstructions = 1000;  // of SQLite's machine between two looks at `stop`
   const auto stopped = [](void* token) {
     return int{static_cast<const std::stop_token*>(token)->stop_requested()};
   };
-  SQLite::Database& db = database->impl_->db;
+  SQLite::Database& db = database.impl_->db;
   sqlite3_progress_handler(db.getHandle(), kInstructions, stopped, const_cast<std::stop_token*>(&stop));
   const Status sound = Guarded(path, &db, [&]() -> Status {
-    Query query(*database->impl_, "PRAGMA quick_check(1)");
+    Query query(*database.impl_, "PRAGMA quick_check(1)");
     query.Step();
     std::string found = query.Text(0);
     if (found == "ok") return {};
@@ -115,12 +114,11 @@ Result<std::string> Database::ContentDigest() const {
 Status Database::CheckIntegrity() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction one_snapshot(impl_->db);
-    if (const Status pages = CheckPages(*impl_); !pages) return pages;
+    TRY(CheckPages(*impl_));
     for (const std::int64_t machine : MachineIds(*impl_)) {
-      if (const Status counts = CheckCounts(*impl_, machine); !counts) return counts;
-      const Status grams = ForEachGram(*impl_, machine, 0, std::numeric_limits<std::int64_t>::max(),
-                                       [](const RunRow&, std::int64_t, StrokeGram&&) { return Status(); });
-      if (!grams) return grams;
+      TRY(CheckCounts(*impl_, machine));
+      TRY(ForEachGram(*impl_, machine, 0, std::numeric_limits<std::int64_t>::max(),
+                      [](const RunRow&, std::int64_t, StrokeGram&&) { return Status(); }));
     }
     return {};
   });

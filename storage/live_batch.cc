@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "storage/gram_codec.h"
+#include "storage/blobs/gram_codec.h"
 
 namespace hydroscope {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/records/sample_block.h"
+#include "core/records/stroke_record.h"
 #include "core/result.h"
-#include "core/sample_block.h"
-#include "core/stroke_record.h"
 #include "storage/raw_chunk.h"
 
 namespace hydroscope {

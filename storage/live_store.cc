@@ -20,12 +20,11 @@ Status StoreStep(Connection& connection, const std::string& path, const LiveStep
                  const std::vector<std::string>& signals, const RawLimits& limits) {
   const PackedBatch& batch = *step.batch;
   if (!batch.raw) return tl::unexpected(batch.raw.error());
-  auto row = connection.FindRun(step.run);
-  if (!row) return tl::unexpected(row.error());
-  if (row->state != "open")
-    return InternalError("{}: run {} is {} and takes nothing more", path, step.run, row->state);
-  if (const Status stored = AppendStrokes(connection, *row, batch.strokes); !stored) return stored;
-  if (const Status stored = AppendRaw(connection, *row, signals, *batch.raw, limits); !stored) return stored;
+  auto row = TRY(connection.FindRun(step.run));
+  if (row.state != "open")
+    return InternalError("{}: run {} is {} and takes nothing more", path, step.run, row.state);
+  TRY(AppendStrokes(connection, row, batch.strokes));
+  TRY(AppendRaw(connection, row, signals, *batch.raw, limits));
   UpdateProgress(connection, step.run, batch);
   return {};
 }
@@ -35,8 +34,7 @@ Status StoreStep(Connection& connection, const std::string& path, const LiveStep
 Status Database::StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                            const RawLimits& limits) {
   return InTransaction(*impl_, [&]() -> Status {
-    for (const LiveStep& step : steps)
-      if (const Status stored = StoreStep(*impl_, impl_->path, step, signals, limits); !stored) return stored;
+    for (const LiveStep& step : steps) TRY(StoreStep(*impl_, impl_->path, step, signals, limits));
     return {};
   });
 }
@@ -60,12 +58,11 @@ Status Database::LeaveCheckpointsToPauses() {
 
 Result<std::optional<LiveProgress>> Database::NewestRun(std::int64_t machine) const {
   using Found = std::optional<LiveProgress>;
-  const auto runs = Runs(machine);
-  if (!runs) return tl::unexpected(runs.error());
-  if (runs->empty()) return Found();
+  const auto runs = TRY(Runs(machine));
+  if (runs.empty()) return Found();
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<Found> {
     LiveProgress progress;
-    progress.run = runs->back();
+    progress.run = runs.back();
     Query query(*impl_, "SELECT pipeline_state, sender_marks, rows_taken FROM run WHERE id = ?",
                 progress.run.id);
     if (!query.Step()) return Found();

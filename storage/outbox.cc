@@ -61,9 +61,8 @@ Outbox::~Outbox() = default;
 std::string Outbox::PathFor(const std::string& database) { return PathBeside(database, "outbox"); }
 
 Result<Outbox> Outbox::Open(const std::string& path) {
-  auto impl = OpenOrMake<Impl>(path, PrepareOutbox);
-  if (!impl) return tl::unexpected(impl.error());
-  return Outbox(std::move(*impl));
+  auto impl = TRY(OpenOrMake<Impl>(path, PrepareOutbox));
+  return Outbox(std::move(impl));
 }
 
 Result<std::int64_t> Outbox::Cursor() const {

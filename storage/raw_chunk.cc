@@ -33,7 +33,7 @@ Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                                       const std::vector<std::vector<double>>& values,
                                       const std::vector<std::vector<Quality>>& flags, double after,
                                       ColumnPacker& packer) {
-  if (const Status valid = CheckTime(time); !valid) return tl::unexpected(valid.error());
+  TRY(CheckTime(time));
   std::vector<RawChunk> chunks;
   const auto first_new = static_cast<std::size_t>(std::ranges::upper_bound(time, after) - time.begin());
   for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {

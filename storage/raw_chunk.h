@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/result.h"
-#include "storage/raw_codec.h"
+#include "storage/blobs/raw_codec.h"
 
 namespace hydroscope {
 

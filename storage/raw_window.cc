@@ -3,9 +3,9 @@
 #include <limits>
 #include <optional>
 
+#include "storage/blobs/raw_codec.h"
 #include "storage/connection.h"
 #include "storage/database.h"
-#include "storage/raw_codec.h"
 #include "storage/store_steps.h"
 
 namespace hydroscope {
@@ -133,7 +133,7 @@ Status AppendRaw(Connection& connection, const RunRow& run, const std::vector<st
   const std::string names = Joined(signals);
   std::int64_t bytes = 0;
   for (const RawChunk& chunk : chunks) {
-    if (const Status valid = CheckNames(signals, chunk.signals); !valid) return valid;
+    TRY(CheckNames(signals, chunk.signals));
     Query(connection,
           "INSERT INTO raw_chunk(id, run, first_s, last_s, rows, signals, samples, flags) "
           "VALUES((SELECT coalesce(max(id), 0) + 1 FROM raw_chunk), ?, ?, ?, ?, ?, ?, nullif(?, x''))",
@@ -151,24 +151,22 @@ Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& sign
                           const std::vector<double>& time, const std::vector<std::vector<double>>& values,
                           std::int64_t max_bytes) {
   return InTransaction(*impl_, [&]() -> Status {
-    const auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
-    if (const Status valid = CheckNames(signals, values.size()); !valid) return valid;
+    const auto row = TRY(impl_->FindRun(run));
+    TRY(CheckNames(signals, values.size()));
     for (std::size_t i = 0; i < values.size(); ++i)
       if (values[i].size() != time.size())
         return InternalError("raw samples: {} has {} rows, time has {}", signals[i], values[i].size(),
                              time.size());
     ColumnPacker packer;
-    const auto chunks = PackRaw(time, values, {}, RawStoredUntil(*impl_, run), packer);
-    if (!chunks) return tl::unexpected(chunks.error());
+    const auto chunks = TRY(PackRaw(time, values, {}, RawStoredUntil(*impl_, run), packer));
     constexpr double kAnyAge = std::numeric_limits<double>::infinity();
-    return AppendRaw(*impl_, *row, signals, *chunks, {max_bytes, kAnyAge});
+    return AppendRaw(*impl_, row, signals, chunks, {max_bytes, kAnyAge});
   });
 }
 
 Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<RawWindow> {
-    if (const auto row = impl_->FindRun(run); !row) return tl::unexpected(row.error());
+    TRY(impl_->FindRun(run));
     Query query(*impl_,
                 "SELECT first_s, rows, signals, samples, flags FROM raw_chunk WHERE run = ? AND last_s >= ? "
                 "AND first_s < ? ORDER BY first_s",

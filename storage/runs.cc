@@ -52,8 +52,7 @@ void CloseOpenRuns(Connection& connection, std::int64_t machine) {
 
 Result<RunInfo> Database::BeginRun(std::int64_t machine, int model_version, const std::string& source,
                                    const std::string& fingerprint) {
-  if (const auto model = GetModelVersion(machine, model_version); !model)
-    return tl::unexpected(model.error());
+  TRY(GetModelVersion(machine, model_version));
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<RunInfo> {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     const auto known = FindByFingerprint(*impl_, machine, fingerprint);
@@ -79,18 +78,17 @@ Status Database::FinishRun(std::int64_t run, const std::string& summary_json,
                            const std::vector<std::uint8_t>& pipeline_state) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
-    const auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
-    if (row->state == "complete") {
+    const auto row = TRY(impl_->FindRun(run));
+    if (row.state == "complete") {
       Query stored(*impl_, "SELECT 1 FROM run WHERE id = ? AND summary = ? AND pipeline_state = ?", run,
                    summary_json, pipeline_state);
       if (stored.Step()) return {};
       return BadInput("{}: run {} ({}) is already complete with another summary or state", impl_->path, run,
-                      row->source);
+                      row.source);
     }
-    if (row->state == "abandoned")
+    if (row.state == "abandoned")
       return BadInput("{}: run {} ({}) was abandoned when a later log was replayed", impl_->path, run,
-                      row->source);
+                      row.source);
     Query(*impl_, "UPDATE run SET state = 'complete', summary = ?, pipeline_state = ? WHERE id = ?",
           summary_json, pipeline_state, run)
         .Run();
@@ -102,12 +100,11 @@ Status Database::FinishRun(std::int64_t run, const std::string& summary_json,
 Result<std::optional<std::vector<std::uint8_t>>> Database::PipelineStateBefore(std::int64_t run) const {
   using State = std::optional<std::vector<std::uint8_t>>;
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<State> {
-    const auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
+    const auto row = TRY(impl_->FindRun(run));
     Query query(*impl_,
                 "SELECT pipeline_state FROM run WHERE machine = ? AND id < ? AND state = "
                 "'complete' ORDER BY id DESC LIMIT 1",
-                row->machine, run);
+                row.machine, run);
     if (!query.Step()) return State();
     return State(query.Bytes(0));
   });

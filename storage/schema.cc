@@ -252,7 +252,7 @@ Status CheckOurs(const FileKind& kind, const std::string& path) {
 
 Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
   FileKind kind = Inspect(db);
-  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  TRY(CheckOurs(kind, path));
   if (kind.empty) db.exec("PRAGMA page_size = 16384");
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = NORMAL");
@@ -263,7 +263,7 @@ Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
 
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   kind = Inspect(db);  // another process may have been faster
-  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  TRY(CheckOurs(kind, path));
   for (int version = kind.version; version < kFormatVersion; ++version) db.exec(kMigrations[version]);
   db.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
   db.exec(fmt::format("PRAGMA user_version = {}", kFormatVersion));
@@ -278,7 +278,7 @@ Status CheckForReading(SQLite::Database& db, const std::string& path) {
         Tell("{} is an empty database; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
              "{} ist eine leere Datenbank; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
              path));
-  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  TRY(CheckOurs(kind, path));
   if (kind.version < kFormatVersion)
     return BadInput(
         Tell("{} has the older database format {}; replaying any log into it brings it to format {}",

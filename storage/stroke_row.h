@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/records.h"
+#include "core/records/stroke_record.h"
 #include "storage/connection.h"
 
 namespace hydroscope {

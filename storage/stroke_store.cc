@@ -1,8 +1,8 @@
 #include <bit>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
+#include "storage/blobs/content_hash.h"
 #include "storage/connection.h"
-#include "storage/content_hash.h"
 #include "storage/database.h"
 #include "storage/gram_rollup.h"
 #include "storage/store_steps.h"
@@ -104,7 +104,7 @@ Status StoreOne(Connection& connection, RunRow& run, const PackedStroke& stroke,
   const std::int64_t index = stroke.summary.index;
   if (index < 0 || index > run.strokes)
     return InternalError("strokes up to {} are stored: {} would leave a hole", run.strokes - 1, index);
-  if (const Status valid = CheckStroke(stroke, columns); !valid) return valid;
+  TRY(CheckStroke(stroke, columns));
   const std::int64_t content_hash = ContentHash(stroke);
   if (index < run.strokes) return CheckSame(connection, run.id, index, content_hash);
   if (run.state != "open") return InternalError("the run is {} and takes no more strokes", run.state);
@@ -131,11 +131,10 @@ Status AppendStrokes(Connection& connection, RunRow& run, std::span<const Packed
 
 Status Database::StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) {
   return InTransaction(*impl_, [&]() -> Status {
-    auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
+    auto row = TRY(impl_->FindRun(run));
     for (const StrokeRecord& record : strokes) {
       const PackedStroke stroke = Pack(record);
-      if (const Status stored = AppendStrokes(*impl_, *row, {&stroke, 1}); !stored) return stored;
+      TRY(AppendStrokes(*impl_, row, {&stroke, 1}));
     }
     return {};
   });
@@ -143,11 +142,10 @@ Status Database::StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>&
 
 Status Database::CompareStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
-    const auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
-    if (static_cast<std::int64_t>(strokes.size()) < row->strokes)
-      return BadInput("run {} holds {} strokes, {} were offered", run, row->strokes, strokes.size());
-    for (std::int64_t i = 0; i < row->strokes; ++i) {
+    const auto row = TRY(impl_->FindRun(run));
+    if (static_cast<std::int64_t>(strokes.size()) < row.strokes)
+      return BadInput("run {} holds {} strokes, {} were offered", run, row.strokes, strokes.size());
+    for (std::int64_t i = 0; i < row.strokes; ++i) {
       const StrokeRecord& record = strokes[i];
       if (const Status same = CheckSame(*impl_, run, i, ContentHash(Pack(record))); !same)
         return BadInput("run {}, stroke {} (ends at {:.3f} s): stored and offered content differ", run, i,

@@ -2,7 +2,7 @@
 #include <bit>
 #include <limits>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "storage/connection.h"
 #include "storage/database.h"
 #include "storage/stroke_row.h"
@@ -133,7 +133,7 @@ Result<std::vector<std::string>> Database::ParameterNames(std::int64_t machine) 
 
 Result<std::vector<StrokeSummary>> Database::Strokes(std::int64_t run) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<StrokeSummary>> {
-    if (const auto row = impl_->FindRun(run); !row) return tl::unexpected(row.error());
+    TRY(impl_->FindRun(run));
     const std::string select =
         fmt::format("SELECT stroke, {} FROM stroke WHERE run = ? ORDER BY stroke", kStrokeColumns);
     Query query(*impl_, select.c_str(), run);

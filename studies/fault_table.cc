@@ -32,10 +32,9 @@ std::int64_t SumOverAxes(const Json& status, const char* counter) {
 }
 
 Result<ReplayCount> CountReplays(const std::string& database) {
-  const auto verified = VerifyLive(database);
-  if (!verified) return tl::unexpected(verified.error());
+  const auto verified = TRY(VerifyLive(database));
   ReplayCount count;
-  for (const VerifiedRun& run : *verified) {
+  for (const VerifiedRun& run : verified) {
     count.same += run.outcome == VerifiedRun::Outcome::kSame;
     count.different += run.outcome == VerifiedRun::Outcome::kDiffers;
     count.strokes += run.strokes;
@@ -44,11 +43,10 @@ Result<ReplayCount> CountReplays(const std::string& database) {
 }
 
 Result<bool> ReplaysAreTheSame(const std::string& database, int exit_code) {
-  const auto replays = CountReplays(database);
-  if (!replays) return tl::unexpected(replays.error());
-  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
-             replays->same + replays->different, exit_code);
-  return replays->ok();
+  const auto replays = TRY(CountReplays(database));
+  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays.same,
+             replays.same + replays.different, exit_code);
+  return replays.ok();
 }
 
 FaultTable::FaultTable(LiveRig& rig) : rig_(rig) {

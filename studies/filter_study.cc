@@ -94,8 +94,7 @@ struct Outcome {
 
 Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, const PressMachine& truth,
                             const std::vector<Width>& widths) {
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
+  const auto model = TRY(BuildModel(machine));
   const double period = log.truth.options.sample_period, tail = log.truth.options.seconds * 2 / 3;
   std::vector<std::unique_ptr<PublishedEstimator>> estimators;
   EstimatorSpec spec;
@@ -103,7 +102,7 @@ Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, con
   for (const Width& width : widths) {
     spec.moving_average = width.average;
     spec.symmetrical_derivative = width.derivative;
-    estimators.push_back(std::make_unique<PublishedEstimator>(spec, *model, period));
+    estimators.push_back(std::make_unique<PublishedEstimator>(spec, model, period));
   }
   std::vector<TailMean> tails(estimators.size());
   TailMean recursive;
@@ -114,11 +113,9 @@ Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, con
       if (late) tails[w].Add(First(estimators[w]->theta()));
     }
   };
-  const auto strokes = StrokesOf(log, machine, KeepSamples::kNo, tap);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const auto fit = FitBaseModel(*strokes->model, strokes->Grams(), strokes->window);
-  if (!fit) return tl::unexpected(fit.error());
-  for (const StrokeRecord& stroke : strokes->strokes)
+  const auto strokes = TRY(StrokesOf(log, machine, KeepSamples::kNo, tap));
+  const auto fit = TRY(FitBaseModel(*strokes.model, strokes.Grams(), strokes.window));
+  for (const StrokeRecord& stroke : strokes.strokes)
     if (!stroke.estimates.empty() && stroke.summary.end >= tail)
       recursive.Add(ThetaOf(stroke.estimates, truth));
   if (recursive.count == 0 || (!tails.empty() && tails.front().count == 0))
@@ -127,7 +124,7 @@ Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, con
   Outcome outcome;
   for (const TailMean& t : tails) outcome.published.push_back(t.Mean());
   outcome.recursive = recursive.Mean();
-  outcome.batch = First(fit->theta);
+  outcome.batch = First(fit.theta);
   return outcome;
 }
 
@@ -184,11 +181,10 @@ Result<FilterStudyResult> StudyLog(const FilterStudyOptions& options, std::uint6
   Deviation recursive, batch;
   for (int d = 0; d < options.draws; ++d) {
     const SimulatedLog log = AddSensorNoise(clean, press, StreamSeed(seed + d, "filter study"));
-    const auto outcome = IdentifyAll(log, machine, press.machine, widths);
-    if (!outcome) return tl::unexpected(outcome.error());
-    for (std::size_t w = 0; w < widths.size(); ++w) published[w].Add(outcome->published[w], truth);
-    recursive.Add(outcome->recursive, truth);
-    batch.Add(outcome->batch, truth);
+    const auto outcome = TRY(IdentifyAll(log, machine, press.machine, widths));
+    for (std::size_t w = 0; w < widths.size(); ++w) published[w].Add(outcome.published[w], truth);
+    recursive.Add(outcome.recursive, truth);
+    batch.Add(outcome.batch, truth);
     const int done = draws_before + d + 1;
     progress.Update(static_cast<double>(done) / (options.draws * options.seeds), done);
   }

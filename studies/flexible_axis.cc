@@ -107,6 +107,16 @@ bool PrintValidation(const StateModel& model, const FlexibleAxisStudyOptions& o)
   return good;
 }
 
+/// Of all parameters, in standard deviations.
+double WorstError(const StateFit& fit, const Eigen::VectorXd& truth) {
+  double worst = 0;
+  for (Eigen::Index p = 0; p < truth.size(); ++p) {
+    const double deviation = std::sqrt(std::max(fit.covariance(p, p), 1e-300));
+    worst = std::max(worst, std::abs(fit.parameters[p] - truth[p]) / deviation);
+  }
+  return worst;
+}
+
 int RunStarts(const FlexibleAxisStudyOptions& o) {
   constexpr double kNear = 20;  // of a chi square
   const auto model = BuildStateModel(FlexibleAxisFile(), {});
@@ -141,12 +151,7 @@ int RunStarts(const FlexibleAxisStudyOptions& o) {
     const bool near = best - least < kNear;
     reached += near;
     first += near && starts == 1;
-    double worst = 0;
-    if (found.solved())
-      for (Eigen::Index p = 0; p < truth.size(); ++p) {
-        const double deviation = std::sqrt(std::max(found.covariance(p, p), 1e-300));
-        worst = std::max(worst, std::abs(found.parameters[p] - truth[p]) / deviation);
-      }
+    const double worst = found.solved() ? WorstError(found, truth) : 0;
     std::array<double, 3> beta{};
     constexpr std::array<double, 3> kAt = {2e6, 5e6, 10e6};  // Pa
     for (std::size_t i = 0; found.solved() && i < kAt.size(); ++i)

@@ -60,23 +60,15 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
   if (s.kind == "time_jitter") s.size = Between(random, 0.05, 0.4);
 }
 
-/// Signed sizes of kinds that go both ways.
-bool GoesBothWays(const std::string& kind) {
-  return kind.ends_with("_drift") || kind == "Q_vn_step" || kind == "pressure_zero" ||
-         kind.starts_with("pressure_gain") || kind == "pressure_offset_temperature" ||
-         kind.ends_with("_crosstalk") || kind.ends_with("_nonlinearity") || kind == "spool_null_pressure" ||
-         kind == "displacement_gain_temperature" || kind == "spool_null_temperature" ||
-         kind == "wrong_area" || kind == "bad_stretch" || kind == "exponential_viscosity";
-}
-
-ImperfectionSetting DrawImperfection(std::mt19937_64& random, const std::string& kind) {
+ImperfectionSetting DrawImperfection(std::mt19937_64& random, const PlantKind& kind) {
   const auto& known = PressImperfections();
-  const auto info =
-      std::find_if(known.begin(), known.end(), [&](const ImperfectionInfo& i) { return i.name == kind; });
-  ImperfectionSetting setting{kind, info->typical_size * LogBetween(random, kSmallest, kLargest), {}, ""};
-  if (GoesBothWays(kind) && Uniform(random) < 0.5) setting.size = -setting.size;
+  const auto info = std::find_if(known.begin(), known.end(),
+                                 [&](const ImperfectionInfo& i) { return i.name == kind.name; });
+  ImperfectionSetting setting{
+      kind.name, info->typical_size * LogBetween(random, kSmallest, kLargest), {}, ""};
+  if (kind.both_ways && Uniform(random) < 0.5) setting.size = -setting.size;
   DrawExtras(random, setting);
-  if (kind == "intermittent_effects") setting.size = info->typical_size;
+  if (kind.name == "intermittent_effects") setting.size = info->typical_size;
   setting.size = std::clamp(setting.size, info->low, info->high);
   return setting;
 }
@@ -94,6 +86,7 @@ std::vector<std::string> LateSignals(const std::string& early) {
 
 const std::vector<PlantKind>& PlantKinds() {
   using enum PlantNature;
+  constexpr bool kBothWays = true, kNeedsEffect = true;
   static const std::vector<PlantKind> kinds = {
       {"coloured_noise", kNoise, {}},
       {"heavy_tails", kNoise, {}},
@@ -106,7 +99,7 @@ const std::vector<PlantKind>& PlantKinds() {
       {"slow_sampling", kNoise, {}},
       {"slow_control", kNoise, {}},
       {"calm_pressure", kNoise, {}},
-      {"wrong_area", kNoise, {}},
+      {"wrong_area", kNoise, {}, kBothWays},
       {"return_line_resistance", kLibrary, {"return_line_resistance"}},
       {"tank_pressure", kLibrary, {"tank_pressure"}},
       {"check_valve", kRelative, {"tank_pressure", "return_line_resistance"}},
@@ -116,38 +109,38 @@ const std::vector<PlantKind>& PlantKinds() {
       {"supply_leakage", kLibrary, {"supply_leakage"}},
       {"periodic_disturbance", kLibrary, {"periodic_disturbance"}},
       {"sensor_hum", kLibrary, {"periodic_disturbance"}},
-      {"K_drift", kLibrary, {"K_drift"}},
-      {"V0_drift", kLibrary, {"V0_drift"}},
-      {"Q_vn_drift", kLibrary, {"Q_vn_drift"}},
-      {"y_0_drift", kLibrary, {"y_0_drift"}},
-      {"Q_vn_step", kRelative, {"Q_vn_drift"}},
-      {"pressure_gain", kLibrary, {"pressure_gain"}},
-      {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}},
-      {"pressure_gain_drift", kLibrary, {"pressure_gain_drift"}},
-      {"pressure_offset_temperature", kLibrary, {"pressure_offset_temperature"}},
-      {"pressure_crosstalk", kLibrary, {"pressure_crosstalk"}},
-      {"pressure_position_crosstalk", kLibrary, {"pressure_position_crosstalk"}},
-      {"pressure_nonlinearity", kLibrary, {"pressure_nonlinearity"}},
-      {"position_nonlinearity", kLibrary, {"position_nonlinearity"}},
-      {"displacement_gain_temperature", kLibrary, {"displacement_gain_temperature"}},
-      {"spool_null_temperature", kLibrary, {"spool_null_temperature"}},
-      {"pressure_zero", kLibrary, {"pressure_offset"}},
-      {"spool_nonlinearity", kLibrary, {"spool_nonlinearity"}},
-      {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}},
+      {"K_drift", kLibrary, {"K_drift"}, kBothWays},
+      {"V0_drift", kLibrary, {"V0_drift"}, kBothWays},
+      {"Q_vn_drift", kLibrary, {"Q_vn_drift"}, kBothWays},
+      {"y_0_drift", kLibrary, {"y_0_drift"}, kBothWays},
+      {"Q_vn_step", kRelative, {"Q_vn_drift"}, kBothWays},
+      {"pressure_gain", kLibrary, {"pressure_gain"}, kBothWays},
+      {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}, kBothWays},
+      {"pressure_gain_drift", kLibrary, {"pressure_gain_drift"}, kBothWays},
+      {"pressure_offset_temperature", kLibrary, {"pressure_offset_temperature"}, kBothWays},
+      {"pressure_crosstalk", kLibrary, {"pressure_crosstalk"}, kBothWays},
+      {"pressure_position_crosstalk", kLibrary, {"pressure_position_crosstalk"}, kBothWays},
+      {"pressure_nonlinearity", kLibrary, {"pressure_nonlinearity"}, kBothWays},
+      {"position_nonlinearity", kLibrary, {"position_nonlinearity"}, kBothWays},
+      {"displacement_gain_temperature", kLibrary, {"displacement_gain_temperature"}, kBothWays},
+      {"spool_null_temperature", kLibrary, {"spool_null_temperature"}, kBothWays},
+      {"pressure_zero", kLibrary, {"pressure_offset"}, kBothWays},
+      {"spool_nonlinearity", kLibrary, {"spool_nonlinearity"}, kBothWays},
+      {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}, kBothWays},
       {"pressure_signal_lag", kLibrary, {"pressure_signal_lag"}},
       {"spool_signal_lag", kLibrary, {"spool_signal_lag"}},
       {"position_signal_lag", kLibrary, {"position_signal_lag"}},
       {"signal_lag", kLibrary, {"signal_lag"}},
       {"one_signal_early", kRelative, {}},
       {"intermittent_leakage", kLibrary, {"internal_leakage"}},
-      {"intermittent_effects", kLibrary, {}, true},
+      {"intermittent_effects", kLibrary, {}, !kBothWays, kNeedsEffect},
       {"leaky_stretch", kLibrary, {"internal_leakage"}},
-      {"bad_stretch", kRelative, {"pressure_offset", "pressure_offset_drift"}},
-      {kSecondEffect, kLibrary, {}, true},
-      {"spool_null_pressure", kRelative, {}},
+      {"bad_stretch", kRelative, {"pressure_offset", "pressure_offset_drift"}, kBothWays},
+      {kSecondEffect, kLibrary, {}, !kBothWays, kNeedsEffect},
+      {"spool_null_pressure", kRelative, {}, kBothWays},
       {"quadratic_relief", kRelative, {"relief_valve"}},
       {"rectangular_zone", kRelative, {"position_dependent_leakage"}},
-      {"exponential_viscosity", kRelative, {"oil_viscosity"}},
+      {"exponential_viscosity", kRelative, {"oil_viscosity"}, kBothWays},
       {"two_gain_spool", kRelative, {"valve_flow_curvature"}},
       {"stuck", kFlagged, {}},
       {"frozen", kFault, {}},
@@ -190,7 +183,7 @@ PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const P
       second = RandomEffect(random, kSecondShare, kSecondShare * 1.001, true);
     c.options.effects.push_back(second);
   } else {
-    c.options.imperfections = {DrawImperfection(random, c.kind->name)};
+    c.options.imperfections = {DrawImperfection(random, *c.kind)};
   }
   for (const EffectSetting& effect : c.options.effects) c.right.push_back(effect.id);
   c.right.insert(c.right.end(), c.kind->right.begin(), c.kind->right.end());

@@ -23,6 +23,7 @@ struct PlantKind {
   std::string name;  ///< of the simulator, or own
   PlantNature nature;
   std::vector<std::string> right;  ///< ids that name it rightly
+  bool both_ways = false;          ///< sizes of either sign
   bool needs_effect = false;       ///< is nothing without a hidden effect
 };
 

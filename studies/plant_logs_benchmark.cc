@@ -184,19 +184,18 @@ std::vector<std::string> PlantGoals::Missed(const PlantTally& t) const {
 }
 
 Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
-  const auto kinds = KindsNamed(o.kinds);
-  if (!kinds) return tl::unexpected(kinds.error());
+  const auto kinds = TRY(KindsNamed(o.kinds));
   std::vector<PlantOutcome> outcomes(static_cast<std::size_t>(o.cases));
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) { outcomes[k] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, *kinds)); }, o.threads);
+      [&](int k) { outcomes[k] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, kinds)); }, o.threads);
   PlantLogsResult result;
-  for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});
+  for (const PlantKind* kind : kinds) result.kinds.emplace_back(kind->name, PlantTally{});
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
     const PlantTally tally = TallyOf(outcomes[k]);
     const int number = o.first + static_cast<int>(k);
-    result.kinds[static_cast<std::size_t>(number) % kinds->size()].second.Add(tally);
+    result.kinds[static_cast<std::size_t>(number) % kinds.size()].second.Add(tally);
     result.all.Add(tally);
     result.details.push_back(DetailLine(number, outcomes[k]));
     if (tally.wrong != 0) result.wrong.push_back(result.details.back());

@@ -138,25 +138,23 @@ Result<std::vector<RecoveredValue>> RecoverEffect(const std::string& effect, dou
   if (info == nullptr) return BadInput("the simulator has no effect '{}'", effect);
   const PressOptions options = OptionsFor(*info, seconds, seed, random);
   const Machine machine = ExtendedMachine(options, effect);
-  const auto strokes = StrokesOf(SimulatePress(options), machine, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
+  const auto strokes = TRY(StrokesOf(SimulatePress(options), machine, KeepSamples::kYes));
   if (random) {
-    const StrokeSet set(strokes->model, strokes->Grams(), strokes->window);
+    const StrokeSet set(strokes.model, strokes.Grams(), strokes.window);
     if (ErrorOverFloor(set.Fit({})) < kNoticedError) return std::vector<RecoveredValue>{};
   }
-  const auto model = FitMachineModel(*strokes);
-  if (!model) return tl::unexpected(model.error());
-  const EffectEstimate& size = model->fit.effects.front();
+  const auto model = TRY(FitMachineModel(strokes));
+  const EffectEstimate& size = model.fit.effects.front();
   const EffectSetting& truth = options.effects.front();
   std::vector<RecoveredValue> values = {
       {effect, info->unit, truth.size, size.size, size.std, RecoveredKind::kSize}};
-  const EffectChoice& choice = model->choices.front();
+  const EffectChoice& choice = model.choices.front();
   for (RecoveredValue& shape :
-       RecoveredShapes(*info, truth, *model->structure->effects[choice.effect], size,
-                       model->structure->effect_shapes[choice.effect][choice.shape].nonlinear))
+       RecoveredShapes(*info, truth, *model.structure->effects[choice.effect], size,
+                       model.structure->effect_shapes[choice.effect][choice.shape].nonlinear))
     values.push_back(std::move(shape));
-  const int count = static_cast<int>(strokes->stretches.size());
-  for (const Estimate& base : BaseParameters(*model->structure, model->fit, count))
+  const int count = static_cast<int>(strokes.stretches.size());
+  for (const Estimate& base : BaseParameters(*model.structure, model.fit, count))
     values.push_back({base.parameter, base.unit, TrueValue(base.parameter, options), base.value, base.std});
   return values;
 }

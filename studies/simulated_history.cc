@@ -12,25 +12,22 @@ constexpr std::size_t kBatch = 500;  // strokes of one transaction
 Status StoreOverAndOver(Database& database, const std::string& name, const std::string& model_text,
                         const LogStrokes& log, std::int64_t strokes,
                         const std::function<void(std::int64_t)>& progress) {
-  const auto id = database.MachineId(name);
-  if (!id) return tl::unexpected(id.error());
-  const auto version = database.PutModelVersion(
-      *id, {1, model_text, log.model->ColumnNames(), 0, log.model->ConditionNames()});
-  if (!version) return tl::unexpected(version.error());
-  const auto run = database.BeginRun(*id, *version, "simulated", "over and over");
-  if (!run) return tl::unexpected(run.error());
+  const auto id = TRY(database.MachineId(name));
+  const auto version = TRY(database.PutModelVersion(
+      id, {1, model_text, log.model->ColumnNames(), 0, log.model->ConditionNames()}));
+  const auto run = TRY(database.BeginRun(id, version, "simulated", "over and over"));
   std::vector<StrokeRecord> batch;
   for (std::int64_t k = 0; k < strokes; ++k) {
     batch.push_back(log.strokes[static_cast<std::size_t>(k) % log.strokes.size()]);
     batch.back().summary.index = k;
     if (batch.size() < kBatch && k + 1 < strokes) continue;
-    if (const Status stored = database.StoreStrokes(run->id, batch); !stored) return stored;
+    TRY(database.StoreStrokes(run.id, batch));
     batch.clear();
     if (progress) progress(k + 1);
   }
   RunSummary summary;
   summary.sample_period = log.window.period;
-  return database.FinishRun(run->id, FormatRunSummary(summary), {});
+  return database.FinishRun(run.id, FormatRunSummary(summary), {});
 }
 
 }  // namespace hydroscope

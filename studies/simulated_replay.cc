@@ -61,16 +61,13 @@ Result<ReplayOutcome> ReplaySimulated(const std::vector<PressOptions>& runs, con
   replay.machine_file = folder.File("machine.toml");
   replay.database = database;
   replay.report = report;
-  if (const Status written = SaveMachine(runs.front(), replay.machine_file); !written)
-    return tl::unexpected(written.error());
+  TRY(SaveMachine(runs.front(), replay.machine_file));
   for (std::size_t run = 0; run < runs.size(); ++run) {
     replay.logs.push_back(folder.File(fmt::format("run_{:02}.csv", run + 1)));
-    if (const Status written = SaveLog(runs[run], replay.logs.back()); !written)
-      return tl::unexpected(written.error());
+    TRY(SaveLog(runs[run], replay.logs.back()));
   }
-  auto replayed = RunReplay(replay);
-  if (!replayed) return tl::unexpected(replayed.error());
-  return std::move(replayed->machines.front());
+  auto replayed = TRY(RunReplay(replay));
+  return std::move(replayed.machines.front());
 }
 
 }  // namespace hydroscope

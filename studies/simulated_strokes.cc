@@ -52,23 +52,22 @@ Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, Ke
                              const Pipeline::EquationTap& tap) {
   const double period = log.truth.options.sample_period;
   StrokeCollector collector(machine, keep);
-  auto pipeline = Pipeline::Create(machine, period, collector.Sink());
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  (*pipeline)->set_tap(keep == KeepSamples::kYes ? collector.Tap() : tap);
+  auto pipeline = TRY(Pipeline::Create(machine, period, collector.Sink()));
+  pipeline->set_tap(keep == KeepSamples::kYes ? collector.Tap() : tap);
   SampleBlock rows = RowsOf(log, machine);
   if (const auto held = FindHeldSignals(rows, machine)) DrawHeldSignals(*held, rows);
   LogCounters counters;
   TimeChecker(period).Check(rows, counters);
   SizeWatch sizes(machine, period);
   sizes.Observe(rows);
-  if (const Status plausible = sizes.Judge(); !plausible) return tl::unexpected(plausible.error());
+  TRY(sizes.Judge());
   QualityMonitor monitor(machine, period);
   monitor.Inspect(rows);
-  (*pipeline)->Process(rows);
+  pipeline->Process(rows);
   monitor.Flush(rows);
-  (*pipeline)->Process(rows);
-  (*pipeline)->Finish();
-  return collector.Finish(**pipeline);
+  pipeline->Process(rows);
+  pipeline->Finish();
+  return collector.Finish(*pipeline);
 }
 
 }  // namespace hydroscope

@@ -24,8 +24,8 @@ struct KindFile {
   std::vector<const char*> hidden;
 };
 
-const KindFile& FileOf(StateMachineKind kind) {
-  static const KindFile oscillator = {
+const KindFile& OscillatorFile() {
+  static const KindFile file = {
       R"toml([log]
 hold = "zero"
 [signals]
@@ -50,7 +50,11 @@ d = { start = 10, min = 1, max = 300 }
        {"drag",
         "adds = { v = \"-q*v*abs(v)\" }\nparameters = { q = { start = 0.1, min = 0, max = 100 } }\n"}},
       {"cubic", "drag", "coulomb"}};
-  static const KindFile tanks = {
+  return file;
+}
+
+const KindFile& TanksFile() {
+  static const KindFile file = {
       R"toml([log]
 hold = "zero"
 [signals]
@@ -78,7 +82,11 @@ pump = { start = 0.2, min = 0.005, max = 1 }
        {"pump_curve",
         "adds = { h_1 = \"-g*u^2\" }\nparameters = { g = { start = 0.001, min = 0, max = 0.1 } }\n"}},
       {"overflow", "leak", "spill"}};
-  static const KindFile actuator = {
+  return file;
+}
+
+const KindFile& ActuatorFile() {
+  static const KindFile file = {
       R"toml([log]
 hold = "zero"
 [signals]
@@ -112,9 +120,13 @@ b = { start = 2, min = 0.5, max = 50 }
        {"hardening",
         "adds = { v = \"-h*z^3\" }\nparameters = { h = { start = 1e4, min = 0, max = 1e10 } }\n"}},
       {"coulomb", "root_flow"}};
-  return kind == StateMachineKind::kOscillator ? oscillator
-         : kind == StateMachineKind::kTanks    ? tanks
-                                               : actuator;
+  return file;
+}
+
+const KindFile& FileOf(StateMachineKind kind) {
+  return kind == StateMachineKind::kOscillator ? OscillatorFile()
+         : kind == StateMachineKind::kTanks    ? TanksFile()
+                                               : ActuatorFile();
 }
 
 constexpr std::array<const char*, 3> kKindNames = {"oscillator", "tanks", "actuator"};

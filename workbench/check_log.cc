@@ -163,29 +163,26 @@ bool CheckResult::NothingIdentified() const {
 }
 
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
-  auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  AssumeTolerances(*machine);
-  auto reader = OpenRecording(log, *machine);
-  if (!reader) return tl::unexpected(reader.error());
+  auto machine = TRY(LoadMachine(machine_file));
+  AssumeTolerances(machine);
+  auto reader = TRY(OpenRecording(log, machine));
   CheckResult check;
   check.log = log;
-  check.machine = *machine;
-  check.sample_period = (*reader)->SamplePeriod();
+  check.machine = machine;
+  check.sample_period = reader->SamplePeriod();
 
   check.driving.words = WordsOf(check.machine);
   for (const Condition& condition : ConditionsOf(check.machine))
     check.driving.ranges.push_back({condition, 0, 0});
   StrokeCollector strokes(check.machine, KeepSamples::kThinned);
   std::unique_ptr<Pipeline> pipeline;
-  if (KindOf(*machine).build != nullptr) {
-    auto created = Pipeline::Create(*machine, check.sample_period,
-                                    [&check, keep = strokes.Sink()](StrokeRecord&& record) {
-                                      AddDriving(record.summary, check.driving);
-                                      keep(std::move(record));
-                                    });
-    if (!created) return tl::unexpected(created.error());
-    pipeline = std::move(*created);
+  if (KindOf(machine).build != nullptr) {
+    auto created = TRY(Pipeline::Create(machine, check.sample_period,
+                                        [&check, keep = strokes.Sink()](StrokeRecord&& record) {
+                                          AddDriving(record.summary, check.driving);
+                                          keep(std::move(record));
+                                        }));
+    pipeline = std::move(created);
     pipeline->set_tap(strokes.Tap());
   }
   SignalSurvey survey(check.machine, check.sample_period);
@@ -194,16 +191,15 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   hooks.observe = [&](const SampleBlock& block) {
     survey.Observe(inputs.empty() ? block : AsEpisodesTake(block, inputs));
   };
-  auto pass = PassLog(**reader, check.machine, pipeline.get(), "checking", hooks);
-  if (!pass) return tl::unexpected(pass.error());
-  if (pass->summary.rows == 0)
-    return BadInput("{}: no row could be read{}{}", log, pass->summary.stopped.empty() ? "" : ": ",
-                    pass->summary.stopped);
-  check.pass = std::move(*pass);
+  auto pass = TRY(PassLog(*reader, check.machine, pipeline.get(), "checking", hooks));
+  if (pass.summary.rows == 0)
+    return BadInput("{}: no row could be read{}{}", log, pass.summary.stopped.empty() ? "" : ": ",
+                    pass.summary.stopped);
+  check.pass = std::move(pass);
   CountAsEpisodesTake(inputs, check);
   check.time = survey.time();
   TakeSignals(survey, check);
-  check.time_base = (*reader)->counters().time_base;
+  check.time_base = reader->counters().time_base;
   if (pipeline) {
     check.conditions = survey.conditions();
     check.driving.too_short = pipeline->discarded_strokes();
@@ -215,12 +211,12 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
           check.driving,
           Tell("mend what stands below, and record again", "beheben, was unten steht, und neu aufzeichnen"));
     check.hints = PlausibilityHints(check);
-    if (const Told coarse = CoarseTimeStamps((*reader)->counters(), machine->signals.size()); !coarse.empty())
+    if (const Told coarse = CoarseTimeStamps(reader->counters(), machine.signals.size()); !coarse.empty())
       check.hints.insert(check.hints.begin(), coarse);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     for (const std::string& clamp : clamps) check.hints.push_back({clamp, ""});
   } else {
-    if (KindOf(*machine).has_states) TakeStatesFit(log, check);
+    if (KindOf(machine).has_states) TakeStatesFit(log, check);
     check.hints = PlausibilityHints(check);
   }
   return check;

@@ -120,14 +120,11 @@ StrokeComparison OverallOf(const GramFit& figures) {
 
 Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const std::string& hold_out) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto chosen = ChooseLogs(logs, hold_out);
-  if (!chosen) return tl::unexpected(chosen.error());
-  auto strokes = ReadStrokes(chosen->fitted, *machine, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
+  const auto machine = TRY(LoadMachine(machine_file));
+  const auto chosen = TRY(ChooseLogs(logs, hold_out));
+  auto strokes = TRY(ReadStrokes(chosen.fitted, machine, KeepSamples::kYes));
   CompareResult out;
-  out.log = std::move(*strokes);
+  out.log = std::move(strokes);
   out.strokes = out.log.stretches.size();
   if (out.strokes < 2)
     return BadInput(Tell(
@@ -135,10 +132,8 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
         "through with 'hydroscope check'",
         "{0}: {1} Hübe im Gate, erwartet: mindestens 2; länger aufzeichnen, oder mit 'hydroscope check' ansehen, was das "
         "Gate von {2} durchlässt",
-        fmt::format("{}", fmt::join(chosen->fitted, ", ")), out.strokes, machine_file));
-  auto model = FitMachineModel(out.log);
-  if (!model) return tl::unexpected(model.error());
-  out.model = std::move(*model);
+        fmt::format("{}", fmt::join(chosen.fitted, ", ")), out.strokes, machine_file));
+  out.model = TRY(FitMachineModel(out.log));
   out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
                               ColumnWeights(*out.model.structure, out.model.fit));
   if (out.strokes >= kMinExplainStrokes) JudgeOnLogs(out);
@@ -148,7 +143,7 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
     out.per_stroke.push_back(stroke.Comparison());
     out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
     out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
-    out.per_stroke.back().log = std::filesystem::path(chosen->fitted[out.log.strokes[s].gram.log]).filename();
+    out.per_stroke.back().log = std::filesystem::path(chosen.fitted[out.log.strokes[s].gram.log]).filename();
   }
   out.overall = OverallOf(out.model.figures);
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
@@ -156,10 +151,8 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
   out.whiteness = WhitenessOf(out.residuals);
   out.correlations = CorrelationsOf(out.residuals);
   out.location = Locate(out.residuals);
-  if (chosen->held_out.empty()) return out;
-  auto held_out = ErrorHeldOut(out.log, chosen->held_out);
-  if (!held_out) return tl::unexpected(held_out.error());
-  out.held_out = std::move(*held_out);
+  if (chosen.held_out.empty()) return out;
+  out.held_out = TRY(ErrorHeldOut(out.log, chosen.held_out));
   return out;
 }
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/stroke_record.h"
 #include "models/condition.h"
 
 namespace hydroscope {

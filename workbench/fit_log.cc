@@ -9,11 +9,10 @@ Result<FitResult> FitAndSuspect(LogStrokes strokes) {
   if (explained)
     return FitResult{std::move(explained->log), std::move(explained->base), std::move(suspicion),
                      explained->trust};
-  auto fit = FitFigures(strokes);
-  if (!fit) return tl::unexpected(fit.error());
-  const LogTrust trust = JudgeLog(strokes, fit->theta, fit->noise_floor);
+  auto fit = TRY(FitFigures(strokes));
+  const LogTrust trust = JudgeLog(strokes, fit.theta, fit.noise_floor);
   for (Told& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
-  return FitResult{std::move(strokes), std::move(*fit), std::move(suspicion), trust};
+  return FitResult{std::move(strokes), std::move(fit), std::move(suspicion), trust};
 }
 
 }  // namespace
@@ -32,19 +31,14 @@ Result<FitResult> FitStrokes(LogStrokes strokes) {
 
 Result<FitResult> FitLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                           const std::string& hold_out) {
-  auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto chosen = ChooseLogs(logs, hold_out);
-  if (!chosen) return tl::unexpected(chosen.error());
-  auto strokes = ReadStrokes(chosen->fitted, *machine, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
-  auto out = FitStrokes(std::move(*strokes));
+  auto machine = TRY(LoadMachine(machine_file));
+  const auto chosen = TRY(ChooseLogs(logs, hold_out));
+  auto strokes = TRY(ReadStrokes(chosen.fitted, machine, KeepSamples::kYes));
+  auto out = FitStrokes(std::move(strokes));
   if (!out) return out;
-  out->assumed = AssumeTolerances(*machine);
-  if (chosen->held_out.empty()) return out;
-  auto held_out = ErrorHeldOut(out->log, chosen->held_out);
-  if (!held_out) return tl::unexpected(held_out.error());
-  out->held_out = std::move(*held_out);
+  out->assumed = AssumeTolerances(machine);
+  if (chosen.held_out.empty()) return out;
+  out->held_out = TRY(ErrorHeldOut(out->log, chosen.held_out));
   return out;
 }
 

@@ -48,15 +48,13 @@ Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& hel
 
 Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const LogStrokes& held_out,
                                   const std::string& log) {
-  const auto model = FitMachineModel(fitted);
-  if (!model) return tl::unexpected(model.error());
-  return ErrorOnLog(*model, held_out, log);
+  const auto model = TRY(FitMachineModel(fitted));
+  return ErrorOnLog(model, held_out, log);
 }
 
 Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& log) {
-  const auto held_out = ReadStrokes(log, fitted.machine, KeepSamples::kYes);
-  if (!held_out) return tl::unexpected(held_out.error());
-  return ErrorHeldOut(fitted, *held_out, log);
+  const auto held_out = TRY(ReadStrokes(log, fitted.machine, KeepSamples::kYes));
+  return ErrorHeldOut(fitted, held_out, log);
 }
 
 std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit) {

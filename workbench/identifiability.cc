@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/reason_told.h"
+#include "core/records/reason_told.h"
 
 namespace hydroscope {
 namespace {

@@ -46,15 +46,14 @@ double RegionSums::NoiseRms() const { return std::sqrt(noise * (windows > 0 ? 1 
 Result<ErrorsInRegion> ErrorsIn(const Region& region, const Residuals& residuals,
                                 std::span<const std::int64_t> strokes,
                                 std::span<const ModelledWithEffect> effects) {
-  const auto rows = SignalsOf(region, residuals);
-  if (!rows) return tl::unexpected(rows.error());
+  const auto rows = TRY(SignalsOf(region, residuals));
   ErrorsInRegion in;
   for (const ModelledWithEffect& with : effects) in.with_effect.emplace_back(with.effect, 0);
   for (std::size_t s = 0; s < residuals.strokes.size(); ++s) {
     const StrokeResiduals& stroke = residuals.strokes[s];
     RegionSums sums;
     for (int w = 0; w < stroke.windows(); ++w) {
-      if (!IsInside(region, *rows, residuals, stroke, w)) continue;
+      if (!IsInside(region, rows, residuals, stroke, w)) continue;
       const auto window = static_cast<std::size_t>(w);
       const double error = stroke.measured[window] - stroke.modelled[window];
       sums.Add({1, error * error, stroke.noise_variance[window]});

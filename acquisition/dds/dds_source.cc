@@ -216,11 +216,10 @@ class Subscription {
                                                       Receiver& receiver) {
     DdsNetwork network = NetworkOf(spec);
     network.shared_memory = network.shared_memory && shared_memory;
-    auto participant = DdsParticipant::Create(network, "hydroscope");
-    if (!participant) return tl::unexpected(participant.error());
-    receiver.BeginAnew(participant->get());
-    auto made = std::unique_ptr<Subscription>(new Subscription(std::move(*participant), receiver));
-    if (const Status status = made->Open(spec); !status) return tl::unexpected(status.error());
+    auto participant = TRY(DdsParticipant::Create(network, "hydroscope"));
+    receiver.BeginAnew(participant.get());
+    auto made = std::unique_ptr<Subscription>(new Subscription(std::move(participant), receiver));
+    TRY(made->Open(spec));
     return made;
   }
 
@@ -229,16 +228,14 @@ class Subscription {
       : layouts_(receiver), batches_(receiver), participant_(std::move(participant)) {}
 
   Status Open(const DdsSpec& spec) {
-    const auto layouts = participant_->MakeTopic(
-        LayoutTopic(spec.topic), TypeSupport(new Tolerant<hydroscope_wire::LayoutPubSubType>()));
-    if (!layouts) return tl::unexpected(layouts.error());
-    const auto samples =
-        participant_->MakeTopic(spec.topic, TypeSupport(new Tolerant<hydroscope_wire::BatchPubSubType>()));
-    if (!samples) return tl::unexpected(samples.error());
+    const auto layouts = TRY(participant_->MakeTopic(
+        LayoutTopic(spec.topic), TypeSupport(new Tolerant<hydroscope_wire::LayoutPubSubType>())));
+    const auto samples = TRY(
+        participant_->MakeTopic(spec.topic, TypeSupport(new Tolerant<hydroscope_wire::BatchPubSubType>())));
     Subscriber* subscriber = participant_->get()->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
     if (subscriber == nullptr ||
-        subscriber->create_datareader(*layouts, LayoutReaderQos(), &layouts_) == nullptr ||
-        subscriber->create_datareader(*samples, SampleReaderQos(spec.deadline, spec.backlog), &batches_) ==
+        subscriber->create_datareader(layouts, LayoutReaderQos(), &layouts_) == nullptr ||
+        subscriber->create_datareader(samples, SampleReaderQos(spec.deadline, spec.backlog), &batches_) ==
             nullptr)
       return InternalError("DDS gives no reader for topic {}", spec.topic);
     return {};

@@ -20,7 +20,7 @@ PollingSource::PollingSource(const ModbusSpec& spec, double period, Clock clock,
 PollingSource::~PollingSource() = default;
 
 Status PollingSource::Start(Sink sink) {
-  if (const Status status = Check(); !status) return status;
+  TRY(Check());
   sink_ = std::move(sink);
   thread_ = std::jthread([this](std::stop_token stop) { Run(stop); });
   return {};

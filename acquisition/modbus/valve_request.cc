@@ -31,7 +31,7 @@ Status ValveRequest::Ask(int axis, double amplitude) {
     return UsageError(
         "valve sweep of axis {} with amplitude {}: expected a share of full scale above 0, up to 1", axis + 1,
         amplitude);
-  if (const Status status = Connected(); !status) return status;
+  TRY(Connected());
   const auto steps = static_cast<std::uint16_t>(std::lround(amplitude * kAmplitudeSteps));
   if (link_.WriteRegister(spec_.sweep->axis, static_cast<std::uint16_t>(axis + 1)) != LinkOutcome::kDone ||
       link_.WriteRegister(spec_.sweep->amplitude, steps) != LinkOutcome::kDone ||
@@ -41,7 +41,7 @@ Status ValveRequest::Ask(int axis, double amplitude) {
 }
 
 Result<SweepStatus> ValveRequest::Poll() {
-  if (const Status status = Connected(); !status) return tl::unexpected(status.error());
+  TRY(Connected());
   std::array<std::uint16_t, 1> word{};
   if (link_.Read(spec_.sweep->status, word) != LinkOutcome::kDone) return Failed("its status is not told");
   if (word[0] > static_cast<std::uint16_t>(SweepStatus::kBroken))

@@ -11,9 +11,7 @@ namespace hydroscope {
 template <typename Use>
 auto FeedReader::WithJournal(Use&& use) -> decltype(use(std::declval<AlarmJournal&>())) {
   if (!journal_) {
-    auto opened = AlarmJournal::Open(AlarmJournal::PathFor(database_path_));
-    if (!opened) return tl::unexpected(opened.error());
-    journal_ = std::move(*opened);
+    journal_ = TRY(AlarmJournal::Open(AlarmJournal::PathFor(database_path_)));
   }
   auto result = use(*journal_);
   if (!result) journal_.reset();
@@ -58,13 +56,10 @@ Result<std::vector<AxisPicture>> FeedReader::Axes() {
 Result<AxisPicture> FeedReader::ReadAxis(const std::string& machine) {
   AxisPicture axis;
   axis.machine = machine;
-  auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(machine); });
-  if (!content) return tl::unexpected(content.error());
-  axis.health = JudgeHealth({.alarms = content->alarms,
-                             .has_reference = content->monitor.judges(),
-                             .not_judged = {},
-                             .trouble = {}});
-  axis.alarms = std::move(content->alarms);
+  auto content = TRY(WithJournal([&](AlarmJournal& journal) { return journal.Axis(machine); }));
+  axis.health = JudgeHealth(
+      {.alarms = content.alarms, .has_reference = content.monitor.judges(), .not_judged = {}, .trouble = {}});
+  axis.alarms = std::move(content.alarms);
   if (const Status read = ReadTrends(axis); !read) {
     database_.reset();
     if (!board_) return tl::unexpected(read.error());
@@ -76,12 +71,11 @@ Result<AxisPicture> FeedReader::ReadAxis(const std::string& machine) {
 
 /// nullopt: it never had an alarm.
 Result<std::optional<AxisPicture>> FeedReader::ReadPress() {
-  auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(press_); });
-  if (!content) return tl::unexpected(content.error());
-  if (content->alarms.empty()) return std::nullopt;
+  auto content = TRY(WithJournal([&](AlarmJournal& journal) { return journal.Axis(press_); }));
+  if (content.alarms.empty()) return std::nullopt;
   AxisPicture press;
   press.machine = press.name = press_;
-  press.alarms = std::move(content->alarms);
+  press.alarms = std::move(content.alarms);
   return press;
 }
 
@@ -90,23 +84,17 @@ Status FeedReader::ReadTrends(AxisPicture& axis) {
   if (!database_) {
     std::error_code ignored;
     if (!std::filesystem::exists(database_path_, ignored)) return {};
-    auto opened = Database::OpenReadOnly(database_path_);
-    if (!opened) return tl::unexpected(opened.error());
-    database_ = std::move(*opened);
+    database_ = TRY(Database::OpenReadOnly(database_path_));
   }
-  const auto names = database_->MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  if (std::ranges::find(*names, axis.machine) == names->end()) return {};
-  const auto id = database_->MachineId(axis.machine);
-  if (!id) return tl::unexpected(id.error());
-  const auto end = database_->EndSequence(*id);
-  if (!end) return tl::unexpected(end.error());
-  axis.strokes = *end;
-  if (*end == 0) return {};
-  auto trend = database_->Trend(*id, "", *end - 1);
-  if (!trend) return tl::unexpected(trend.error());
-  for (TrendPoint& point : *trend)
-    if (point.sequence == *end - 1) axis.estimates.push_back(std::move(point));
+  const auto names = TRY(database_->MachineNames());
+  if (std::ranges::find(names, axis.machine) == names.end()) return {};
+  const auto id = TRY(database_->MachineId(axis.machine));
+  const auto end = TRY(database_->EndSequence(id));
+  axis.strokes = end;
+  if (end == 0) return {};
+  auto trend = TRY(database_->Trend(id, "", end - 1));
+  for (TrendPoint& point : trend)
+    if (point.sequence == end - 1) axis.estimates.push_back(std::move(point));
   return {};
 }
 

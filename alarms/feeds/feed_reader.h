@@ -8,7 +8,7 @@
 
 #include "alarms/alarm_machine.h"
 #include "alarms/health_board.h"
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "core/result.h"
 #include "storage/alarm_journal.h"
 #include "storage/database.h"

@@ -36,9 +36,8 @@ Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
   if (a.random_machine != 0) a.options.machine = RandomFlexibleAxis(a.random_machine);
   for (const AxisManoeuvreInfo& info : AllAxisManoeuvres())
     if (a.manoeuvre == info.name) a.options.manoeuvre = info.manoeuvre;
-  for (const std::string& text : a.effects)
-    if (const Status s = TakeFault(text, AllFlexibleAxisFaults(), a.options.faults); !s) return s;
-  if (const Status s = Validate(a.options); !s) return s;
+  for (const std::string& text : a.effects) TRY(TakeFault(text, AllFlexibleAxisFaults(), a.options.faults));
+  TRY(Validate(a.options));
   return WriteSimulated(a.files, FormatFlexibleAxis(SimulateFlexibleAxis(a.options)),
                         FlexibleAxisTruth(a.options));
 }

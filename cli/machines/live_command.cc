@@ -44,24 +44,18 @@ Result<int> AxisOf(const Options& options) {
 }
 
 Result<LiveCommand> EffectLine(const std::vector<std::string>& words) {
-  auto effect = ParseEffect(words[1]);
-  if (!effect) return tl::unexpected(effect.error());
-  const auto options = ReadOptions(words, 2, {"axis", "ramp"});
-  if (!options) return tl::unexpected(options.error());
-  const auto axis = AxisOf(*options);
-  if (!axis) return tl::unexpected(axis.error());
-  const double ramp = options->contains("ramp") ? options->at("ramp") : 0;
-  return ChangeEffectCommand{std::move(*effect), *axis, ramp};
+  auto effect = TRY(ParseEffect(words[1]));
+  const auto options = TRY(ReadOptions(words, 2, {"axis", "ramp"}));
+  const auto axis = TRY(AxisOf(options));
+  const double ramp = options.contains("ramp") ? options.at("ramp") : 0;
+  return ChangeEffectCommand{std::move(effect), axis, ramp};
 }
 
 Result<LiveCommand> FaultLine(const std::vector<std::string>& words) {
-  auto fault = ParseFault(words[1]);
-  if (!fault) return tl::unexpected(fault.error());
-  const auto options = ReadOptions(words, 2, {"axis"});
-  if (!options) return tl::unexpected(options.error());
-  const auto axis = AxisOf(*options);
-  if (!axis) return tl::unexpected(axis.error());
-  return AddFaultCommand{std::move(*fault), *axis};
+  auto fault = TRY(ParseFault(words[1]));
+  const auto options = TRY(ReadOptions(words, 2, {"axis"}));
+  const auto axis = TRY(AxisOf(options));
+  return AddFaultCommand{std::move(fault), axis};
 }
 
 Result<LiveCommand> ModbusLine(const std::string& word) {

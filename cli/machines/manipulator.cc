@@ -36,11 +36,10 @@ Result<ManipulatorOptions> ManipulatorOptionsOf(const ManipulatorArguments& a) {
   ManipulatorOptions o = a.options;
   if (a.random_machine != 0) o.truth = DrawnManipulator(a.random_machine);
   o.motion = a.motion == "series" ? DrawnMotion(a.motion_seed) : ParallelogramMotion();
-  for (const std::string& effect : a.effects)
-    if (const Status s = HideEffect(effect, o.truth); !s) return tl::unexpected(s.error());
+  for (const std::string& effect : a.effects) TRY(HideEffect(effect, o.truth));
   o.model = a.control == "true" ? TrueModel(o.truth) : DatasheetModel(o.truth);
   for (double* std : {&o.noise.q, &o.noise.p, &o.noise.spool}) *std *= a.noise_factor;
-  if (const Status s = Validate(o); !s) return tl::unexpected(s.error());
+  TRY(Validate(o));
   return o;
 }
 
@@ -63,12 +62,11 @@ Status RunSimulation(const ManipulatorArguments& a) {
   }
   if (a.files.out.empty())
     return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
-  const auto options = ManipulatorOptionsOf(a);
-  if (!options) return tl::unexpected(options.error());
-  const ManipulatorLog log = SimulateManipulator(*options);
+  const auto options = TRY(ManipulatorOptionsOf(a));
+  const ManipulatorLog log = SimulateManipulator(options);
   std::string text = kManipulatorLogHeader;
   for (const ManipulatorRow& row : log.rows) AppendManipulatorLine(row, text);
-  return WriteSimulated(a.files, text, ManipulatorTruthOf(*options, a.effects, log.tracking));
+  return WriteSimulated(a.files, text, ManipulatorTruthOf(options, a.effects, log.tracking));
 }
 
 }  // namespace

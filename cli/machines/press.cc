@@ -33,33 +33,28 @@ Result<PressOptions> BuildOptions(const PressArguments& a) {
     o.machine = drawn.machine;
     o.motion = drawn.motion;
   }
-  if (!a.machine.empty())
-    if (const Status s = TakeMachine(a.machine, o); !s) return tl::unexpected(s.error());
+  if (!a.machine.empty()) TRY(TakeMachine(a.machine, o));
   if (a.random_machine == 0 || a.speed_given) {
     o.motion.speed_min = a.speed_min / 1e3;
     o.motion.speed_max = a.speed_max / 1e3;
   }
-  if (!a.oil.empty())
-    if (const Status s = ParseOil(a.oil, o); !s) return tl::unexpected(s.error());
+  if (!a.oil.empty()) TRY(ParseOil(a.oil, o));
   for (const std::string& text : a.effects) {
-    const auto effect = ParseEffect(text);
-    if (!effect) return tl::unexpected(effect.error());
-    o.effects.push_back(*effect);
+    const auto effect = TRY(ParseEffect(text));
+    o.effects.push_back(effect);
   }
   for (const std::string& text : a.imperfections) {
-    const auto imperfection = ParseImperfection(text);
-    if (!imperfection) return tl::unexpected(imperfection.error());
-    o.imperfections.push_back(*imperfection);
+    const auto imperfection = TRY(ParseImperfection(text));
+    o.imperfections.push_back(imperfection);
   }
   for (const std::string& text : a.faults) {
-    const auto fault = ParseFault(text);
-    if (!fault) return tl::unexpected(fault.error());
-    o.faults.push_back(*fault);
+    const auto fault = TRY(ParseFault(text));
+    o.faults.push_back(fault);
   }
   for (double* std : {&o.noise.p_A, &o.noise.p_B, &o.noise.p_0, &o.noise.z, &o.noise.y_v, &o.noise.T_oil})
     *std *= a.noise_factor;
   if (a.adc_bits > 0) o.quantum = QuantumOfBits(a.adc_bits);
-  if (const Status s = Validate(o); !s) return tl::unexpected(s.error());
+  TRY(Validate(o));
   return o;
 }
 
@@ -76,11 +71,10 @@ std::string NameOfCylinder(const std::string& path, int cylinder, int cylinders)
 Status RunServe(const PressArguments& a) {
   if (!a.imperfections.empty())
     return UsageError("--imperfection is for logs; a press that is served takes faults and effects");
-  auto options = BuildOptions(a);
-  if (!options) return tl::unexpected(options.error());
-  if (!a.seconds_given) options->seconds = 1e8;
-  if (!a.period_given) options->sample_period = 1e-3;
-  return ServePress(a.serve, *options);
+  auto options = TRY(BuildOptions(a));
+  if (!a.seconds_given) options.seconds = 1e8;
+  if (!a.period_given) options.sample_period = 1e-3;
+  return ServePress(a.serve, options);
 }
 
 Status RunPress(const PressArguments& a) {
@@ -96,15 +90,14 @@ Status RunPress(const PressArguments& a) {
   if (a.out.empty()) return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
   if (a.cylinders > 1 && a.out == "-")
     return UsageError("--cylinders 4 writes four files; --out cannot be '-'");
-  const auto options = BuildOptions(a);
-  if (!options) return tl::unexpected(options.error());
-  if (a.cylinders == 1) return WritePressLog(*options, a.out, a.truth);
-  const auto cushions = FourCushions(*options);
+  const auto options = TRY(BuildOptions(a));
+  if (a.cylinders == 1) return WritePressLog(options, a.out, a.truth);
+  const auto cushions = FourCushions(options);
   for (int k = 1; k <= a.cylinders; ++k) {
     PressOptions cushion = cushions[k - 1];
     if (a.effect_cylinder != 0 && k != a.effect_cylinder) cushion.effects.clear();
     const std::string truth = a.truth.empty() ? "" : NameOfCylinder(a.truth, k, a.cylinders);
-    if (const Status s = WritePressLog(cushion, NameOfCylinder(a.out, k, a.cylinders), truth); !s) return s;
+    TRY(WritePressLog(cushion, NameOfCylinder(a.out, k, a.cylinders), truth));
   }
   return {};
 }

@@ -17,19 +17,18 @@ constexpr std::int64_t kRowsAtOnce = 1000;
 /// `written` hears how many rows there are so far.
 Status WriteRows(PressGenerator& press, const std::string& path,
                  const std::function<void(std::int64_t)>& written) {
-  auto sink = TextSink::Open(path);
-  if (!sink) return tl::unexpected(sink.error());
+  auto sink = TRY(TextSink::Open(path));
   std::string text(kPressLogHeader);
   std::int64_t rows = 0;
   for (PressRow row; press.Next(row);) {
     AppendPressLine(row, text);
     if (++rows % kRowsAtOnce != 0) continue;
-    if (!sink->Write(text)) break;
+    if (!sink.Write(text)) break;
     text.clear();
     written(rows);
   }
-  sink->Write(text);
-  return sink->Close();
+  sink.Write(text);
+  return sink.Close();
 }
 
 /// A simulated press with a hidden effect, "" = none.
@@ -51,9 +50,7 @@ Status WritePressLog(const PressOptions& options, const std::string& path, const
     const auto share = [&](std::int64_t rows) {
       return static_cast<double>(rows) / static_cast<double>(press.total_rows());
     };
-    const Status written =
-        WriteRows(press, path, [&](std::int64_t rows) { progress.Update(share(rows), rows); });
-    if (!written) return written;
+    TRY(WriteRows(press, path, [&](std::int64_t rows) { progress.Update(share(rows), rows); }));
   }
   if (truth_path.empty()) return {};
   return WriteJson(truth_path, TruthJson(press.truth()));

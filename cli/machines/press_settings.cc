@@ -85,21 +85,19 @@ constexpr FaultName kFaultNames[] = {{"nan", FaultKind::kNan},
 }  // namespace
 
 Result<EffectSetting> ParseEffect(const std::string& text) {
-  const auto given = ParseSizedName("effect", text, "relief_valve=2e-11,crack=170e5", false);
-  if (!given) return tl::unexpected(given.error());
-  EffectSetting effect{given->name, given->size.value_or(0), given->extra};
+  const auto given = TRY(ParseSizedName("effect", text, "relief_valve=2e-11,crack=170e5", false));
+  EffectSetting effect{given.name, given.size.value_or(0), given.extra};
   for (const EffectInfo& info : PressEffects())
-    if (!given->size && info.id == effect.id) effect.size = info.typical_size;
+    if (!given.size && info.id == effect.id) effect.size = info.typical_size;
   return effect;
 }
 
 Result<ImperfectionSetting> ParseImperfection(const std::string& text) {
-  const auto given = ParseSizedName("imperfection", text, "coloured_noise=0.1,phi=0.8,on=p_A", true);
-  if (!given) return tl::unexpected(given.error());
-  ImperfectionSetting setting{given->name, given->size.value_or(0), given->extra, given->channel};
+  const auto given = TRY(ParseSizedName("imperfection", text, "coloured_noise=0.1,phi=0.8,on=p_A", true));
+  ImperfectionSetting setting{given.name, given.size.value_or(0), given.extra, given.channel};
   for (const ImperfectionInfo& info : PressImperfections())
-    if (!given->size && info.name == setting.kind) setting.size = info.typical_size;
-  if (!given->size && setting.size == 0) setting.size = std::nan("");  // unknown kind: the simulator says so
+    if (!given.size && info.name == setting.kind) setting.size = info.typical_size;
+  if (!given.size && setting.size == 0) setting.size = std::nan("");  // unknown kind: the simulator says so
   return setting;
 }
 
@@ -146,14 +144,13 @@ Status ParseOil(const std::string& text, PressOptions& options) {
 }
 
 Status TakeMachine(const std::string& path, PressOptions& options) {
-  const auto machine = LoadMachine(path);
-  if (!machine) return tl::unexpected(machine.error());
+  const auto machine = TRY(LoadMachine(path));
   PressMachine& m = options.machine;
   const std::map<std::string, double*> slots = {{"A_A", &m.A_A}, {"dp_nom", &m.dp_nom}, {"p_t", &m.p_tank},
                                                 {"K", &m.K},     {"V0", &m.V0},         {"Q_vn", &m.Q_vn},
                                                 {"y_0", &m.y_0}};
   for (const auto& [key, slot] : slots)
-    if (const auto known = machine->Geometry(key)) *slot = known->value;
+    if (const auto known = machine.Geometry(key)) *slot = known->value;
   return {};
 }
 

@@ -42,9 +42,8 @@ Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
   }
   for (const PumpManoeuvreInfo& info : AllPumpManoeuvres())
     if (a.manoeuvre == info.name) o.manoeuvre = info.manoeuvre;
-  for (const std::string& text : a.effects)
-    if (const Status s = TakeFault(text, AllPumpFaults(), o.faults); !s) return s;
-  if (const Status s = Validate(o); !s) return s;
+  for (const std::string& text : a.effects) TRY(TakeFault(text, AllPumpFaults(), o.faults));
+  TRY(Validate(o));
   const PumpLog log = SimulatePump(o);
   return WriteSimulated(a.files, FormatPump(log), PumpTruth(o, log));
 }

@@ -133,31 +133,26 @@ Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const Pr
   }
   if (modbus != nullptr) {
     options.modbus = {.host = modbus->host, .port = modbus->port, .order = modbus->order};
-    if (modbus->ring)
-      if (const Status status = CheckRing(*modbus->ring, options); !status)
-        return tl::unexpected(status.error());
+    if (modbus->ring) TRY(CheckRing(*modbus->ring, options));
   }
   return options;
 }
 
 Status ServePress(const ServedPress& arguments, PressOptions press) {
-  const auto machine = LoadMachine(arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto options = ServeOptions(arguments, press, *machine);
-  if (!options) return tl::unexpected(options.error());
-  options->session = static_cast<std::uint64_t>(Now().wall_ns / 1'000'000);
+  const auto machine = TRY(LoadMachine(arguments.machine));
+  auto options = TRY(ServeOptions(arguments, press, machine));
+  options.session = static_cast<std::uint64_t>(Now().wall_ns / 1'000'000);
 
   const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});  // Control waits for them
 
-  auto server = PressServer::Create(*options, Now);
-  if (!server) return tl::unexpected(server.error());
-  std::cout << Announcement(*options) << std::endl;
+  auto server = TRY(PressServer::Create(options, Now));
+  std::cout << Announcement(options) << std::endl;
   std::stop_source stop;
   {
-    const Control control(**server, stop, signals);
-    (*server)->Run(stop.get_token(), press.seconds);
+    const Control control(*server, stop, signals);
+    server->Run(stop.get_token(), press.seconds);
   }
-  const PressServer::Counters counters = (*server)->counters();
+  const PressServer::Counters counters = server->counters();
   std::cout << fmt::format("stopped after {} rows; {} batches published, {} dropped, at worst {:.1f} ms late",
                            counters.rows, counters.batches, counters.dropped_batches, counters.latest * 1e3)
             << std::endl;

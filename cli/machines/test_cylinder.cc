@@ -57,7 +57,7 @@ Status WriteTestCylinder(const TestCylinderArguments& a, const CLI::App& app) {
   }
   o.noise *= a.noise_factor;
   o.disturbance *= a.noise_factor;
-  if (const Status valid = Validate(o); !valid) return valid;
+  TRY(Validate(o));
   return WriteSimulated(a.files, FormatTestCylinder(SimulateTestCylinder(o)), TestCylinderTruthJson(o));
 }
 

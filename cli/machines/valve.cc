@@ -34,7 +34,7 @@ void AddSimulateValve(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate valve --out sweep.csv\n"
       "  hydroscope simulate valve --out worn.csv --f0 120 --damping 0.9 --dead-time 0.001 --sample-rate 4000");
   RunsAs(*app, exit_code, [out, o]() -> Status {
-    if (const Status s = Validate(*o); !s) return s;
+    TRY(Validate(*o));
     return WriteTextFile(*out, FormatValveSweep(SimulateValveSweep(*o)));
   });
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm_records.h"
 #include "core/bytes.h"
+#include "core/records/alarm_records.h"
 #include "diagnosis/drift/change_analysis.h"
 #include "diagnosis/drift/cumulative_sum.h"
 #include "diagnosis/drift/reference.h"

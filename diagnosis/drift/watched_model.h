@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/stroke_record.h"
+#include "core/records/stroke_record.h"
 #include "core/told.h"
 #include "estimation/gram_fit.h"
 #include "models/model_structure.h"

@@ -42,10 +42,9 @@ std::vector<std::string> CandidateFits::WithAdded(const std::vector<std::string>
 
 Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& added,
                                                const StateCandidate& near) const {
-  const auto model = BuildStateModel(machine_, WithAdded(added));
-  if (!model) return tl::unexpected(model.error());
-  ScreenedEffect screened = ScreenEffect(near.fit, **model, episodes_, options_.screening);
-  return StateContender{added, *model, std::move(screened.starts), screened.seen,
+  const auto model = TRY(BuildStateModel(machine_, WithAdded(added)));
+  ScreenedEffect screened = ScreenEffect(near.fit, *model, episodes_, options_.screening);
+  return StateContender{added, model, std::move(screened.starts), screened.seen,
                         near.held_out * (1 - screened.explained.value_or(1))};
 }
 

@@ -1,22 +1,15 @@
 #include "diagnosis/states/effect_search.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 
 #include "core/told_error.h"
-#include "diagnosis/states/candidate_fits.h"
+#include "diagnosis/states/found_sets.h"
 #include "diagnosis/states/law_terms.h"
-#include "diagnosis/states/other_causes/missing_dynamics.h"
+#include "diagnosis/states/search_conclusion.h"
 #include "diagnosis/states/search_sentences.h"
-#include "diagnosis/states/set_comparison.h"
-#include "diagnosis/states/spread_pieces.h"
-#include "diagnosis/states/staircase.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -24,36 +17,30 @@ namespace {
 
 class EffectSearch {
  public:
-  EffectSearch(const Machine& machine, std::span<const Episode> episodes, std::size_t start_episodes,
-               const ExplainStatesOptions& options)
-      : machine_(machine),
-        episodes_(episodes),
-        options_(options),
-        compare_(options),
-        starts_on_(SpreadOver(episodes.size(), start_episodes)) {}
+  explicit EffectSearch(FoundSets& found) : found_(found) {}
 
-  StatesExplanation Run() {
+  /// False if the model as it is cannot be fitted.
+  bool Run() {
     const auto model = BuildStateModel(machine_, machine_.added_effects);
     if (!model) {
       out_.base.fit.failed = ToldOf(model.error());
-      return std::move(out_);
+      return false;
     }
     out_.base.fit = FitFromAllStarts(*model);
-    if (!out_.base.fit.solved()) return std::move(out_);
+    if (!out_.base.fit.solved()) return false;
     out_.base.held_out = out_.base.fit.HeldOutEnergy();
     out_.base_left = Left(out_.base.fit);
-    fits_.emplace(machine_, episodes_, starts_on_, options_, out_.base);
+    fits_.emplace(machine_, episodes_, found_.starts_on, options_, out_.base);
     Search();
     Prune();
     RetryFromBetterMinima();
-    Conclude();
-    return std::move(out_);
+    return true;
   }
 
  private:
   StateFit FitFromAllStarts(const std::shared_ptr<const StateModel>& model) const {
-    if (starts_on_.size() == episodes_.size()) return FitStates(model, episodes_, options_.fit);
-    StateFit few = FitStates(model, Chosen(episodes_, starts_on_), options_.fit);
+    if (found_.starts_on.size() == episodes_.size()) return FitStates(model, episodes_, options_.fit);
+    StateFit few = FitStates(model, Chosen(episodes_, found_.starts_on), options_.fit);
     if (!few.solved()) return few;
     const StateStart start{few.parameters, {}};
     StateFit all = RefitStates(model, episodes_, std::span(&start, 1), {}, options_.fit);
@@ -62,7 +49,7 @@ class EffectSearch {
     all.starts_diverged = few.starts_diverged;
     return all;
   }
-  StateRemainder Left(const StateFit& fit) const { return RemainderOf(fit, episodes_, options_.remainder); }
+  StateRemainder Left(const StateFit& fit) const { return found_.Left(fit); }
 
   void Search() {
     levels_.push_back({out_.base});
@@ -236,16 +223,6 @@ class EffectSearch {
     return !sets.empty() && compare_.Better(out_.final, out_.final_left, sets.front());
   }
 
-  /// A set with an effect of the set found taken out, fitted from there.
-  const StateCandidate& Without(const std::string& id) {
-    std::vector<std::string> rest = out_.final.added;
-    rest.erase(std::find(rest.begin(), rest.end(), id));
-    const auto known = without_.find(rest);
-    if (known != without_.end()) return known->second;
-    StateCandidate fitted = fits_->Without(out_.final, rest);
-    return without_.emplace(rest, std::move(fitted)).first->second;
-  }
-
   /// The fit of fewer effects may have ended in a wrong minimum, from where another effect seemed to help: each is taken out
   /// again, the fit beginning where it ended with it, and stays out if it does not do better than what is left. What ends where
   /// the search had been says nothing new.
@@ -253,7 +230,7 @@ class EffectSearch {
     for (bool smaller = true; smaller && !out_.final.added.empty();) {
       smaller = false;
       for (const std::string& id : std::vector<std::string>(out_.final.added)) {
-        const StateCandidate& without = Without(id);
+        const StateCandidate& without = found_.Without(id);
         if (!without.fitted()) continue;
         const StateCandidate& before = levels_[levels_.size() - 2].front();
         if (without.added == before.added &&
@@ -267,7 +244,7 @@ class EffectSearch {
         std::erase_if(level, [&](const StateCandidate& other) { return other.added == without.added; });
         level.insert(level.begin(), without);
         out_.final = without;
-        without_.clear();
+        found_.without.clear();
         smaller = true;
         break;
       }
@@ -285,7 +262,7 @@ class EffectSearch {
     std::vector<StateCandidate>& level = levels_.back();
     StateCandidate& before = levels_[levels_.size() - 2].front();
     for (const std::string& id : std::vector<std::string>(out_.final.added)) {
-      const StateCandidate without = Without(id);
+      const StateCandidate without = found_.Without(id);
       const double known = without.added == before.added ? before.held_out : out_.base.held_out;
       if (!without.fitted() || without.held_out >= (1 - options_.fit.same_minimum) * known) continue;
       for (const std::string& other : ids_) {
@@ -306,7 +283,7 @@ class EffectSearch {
     if (level.front().added == out_.final.added) return;
     out_.final = level.front();
     out_.final_left = Left(out_.final.fit);
-    without_.clear();
+    found_.without.clear();
   }
 
   /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
@@ -321,228 +298,24 @@ class EffectSearch {
       }
   }
 
-  /// Energy that the effects of the set found that `other` has not remove beyond those that both have.
-  double RemovedBeyondShared(const StateCandidate& other) {
-    double shared = out_.base.held_out;
-    for (const std::string& id : out_.final.added) {
-      if (std::find(other.added.begin(), other.added.end(), id) != other.added.end()) continue;
-      const StateCandidate& without = Without(id);
-      if (without.fitted()) shared = std::min(shared, without.held_out);
-    }
-    return shared - out_.final.held_out;
-  }
-
-  /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
-  /// place: that function.
-  std::optional<LikeFunction> FunctionFor(const std::string& id) {
-    const StateCandidate& without = out_.final.added.size() == 1 ? out_.base : Without(id);
-    if (!without.fitted()) return {};
-    const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
-    const Specificity::Function* best = specificity.Best();
-    if (best == nullptr) return {};
-    const std::vector<double>& with_effect = specificity.with_effect();
-    const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
-    if (!compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final))) return {};
-    return best->named;
-  }
-
-  /// Share of what the set found explains that it does not without one of its effects.
-  double ShareOf(const std::string& id) {
-    if (out_.final.added.size() == 1) return 1;
-    const StateCandidate& without = Without(id);
-    if (!without.fitted()) return 1;
-    return (without.held_out - out_.final.held_out) /
-           std::max(out_.base.held_out - out_.final.held_out, 1e-300);
-  }
-
-  /// Energy that functions predict of what the set leaves, of what one of its several effects takes away beside the others.
-  double LeftOf(const std::string& id) {
-    if (out_.final.added.size() == 1 || !out_.final_left.structured) return 0;
-    const StateCandidate& without = Without(id);
-    if (!without.fitted()) return 0;
-    return out_.final_left.least_share * out_.final.held_out /
-           std::max(without.held_out - out_.final.held_out, 1e-300);
-  }
-
-  /// Of several effects those may stand in for a law that nobody has named beside which functions predict much of what they take
-  /// away. Where fewer effects are complete as well, these are what is found.
-  void DropStandIns() {
-    while (levels_.size() > 2) {
-      const auto& added = out_.final.added;
-      const auto weak = std::find_if(added.begin(), added.end(), [this](const std::string& id) {
-        return LeftOf(id) > options_.left_share;
-      });
-      if (weak == added.end()) return;
-      const StateCandidate all = out_.final;
-      const StateRemainder left_by_all = out_.final_left;
-      std::vector<StateCandidate> level = std::move(levels_.back());
-      levels_.pop_back();
-      out_.final = levels_.back().front();
-      out_.final_left = Left(out_.final.fit);
-      if (!Complete()) {
-        levels_.push_back(std::move(level));
-        out_.final = all;
-        out_.final_left = left_by_all;
-        Complete();
-        return;
-      }
-      without_.clear();
-      for (const std::string& id : all.added) {
-        if (std::find(out_.final.added.begin(), out_.final.added.end(), id) != out_.final.added.end())
-          continue;
-        out_.nearest.push_back(id);
-        const double removed = out_.final.held_out - all.held_out;
-        out_.warnings.push_back(
-            MayStandIn(id, left_by_all.least_share * all.held_out / std::max(removed, 1e-300)));
-      }
-    }
-  }
-
-  /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, the others
-  /// may stand in for the rest of such a law: nothing is named.
-  void LeaveOutUnspecific() {
-    std::vector<std::string> named;
-    bool leans = false;
-    for (const std::string& id : out_.final.added) {
-      const std::optional<LikeFunction> like = FunctionFor(id);
-      const double left = LeftOf(id);
-      if (!like && left <= options_.left_share) {
-        named.push_back(id);
-        continue;
-      }
-      leans = leans || ShareOf(id) > options_.leans_share;
-      out_.nearest.push_back(id);
-      out_.warnings.push_back(like ? NotToldFrom(id, *like) : MayStandIn(id, left));
-    }
-    if (leans)
-      out_.nearest = out_.final.added;
-    else
-      out_.set = std::move(named);
-  }
-
-  /// Rivals of the set found: of the same size, and hardly worse.
-  std::vector<StateCandidate> Rivals() {
-    std::vector<StateCandidate> rivals;
-    if (levels_.size() < 2) return rivals;
-    const StateCandidate& best = out_.final;
-    for (const StateCandidate& other : levels_.back())
-      if (other.added != best.added && compare_.NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
-          !(other.fit.parameters.size() > best.fit.parameters.size() &&
-            SameLaw(out_.base.fit, best, other, episodes_, options_.same_law)))
-        rivals.push_back(other);
-    return rivals;
-  }
-
-  /// Whether nothing that functions can predict is left, or next to nothing of what they could before. `unexplained` is told.
-  bool Complete() {
-    out_.unexplained = out_.Unexplained(out_.final, out_.final_left);
-    return out_.unexplained <= compare_.LeftShare(out_.final);
-  }
-
-  /// A law that the log shows too seldom may be in what the final set leaves.
-  bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
-
-  void TellDrift() {
-    out_.drift = FindParameterDrift(out_.final.fit, out_.final_left);
-    if (out_.drift) out_.warnings.push_back(ParameterDriftText(*out_.drift));
-  }
-  void TellDynamics() {
-    out_.dynamics = FindMissingDynamics(out_.final.fit, out_.final_left, episodes_);
-    if (out_.dynamics) out_.warnings.push_back(MissingDynamicsText(*out_.dynamics));
-  }
-
-  /// What the model as it is does not show may be seen about the set found, from where a tank whose level is right reaches its brim.
-  void LookAgainAtUnseen() {
-    if (out_.final.added.empty()) return;
-    std::erase_if(out_.not_seen, [this](const auto& unseen) {
-      std::vector<std::string> added = out_.final.added;
-      if (std::find(added.begin(), added.end(), unseen.first) != added.end()) return true;
-      added.push_back(unseen.first);
-      const auto contender = fits_->Screened(added, out_.final);
-      return contender && contender->seen == EffectSeen::kYes;
-    });
-  }
-
-  void Conclude() {
-    LookAgainAtUnseen();
-    out_.steps = StaircaseTo(out_.final, levels_);
-    if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && compare_.Coloured(out_.final)) {
-      out_.astray = true;
-      TellDrift();
-      out_.LeaveUnknown(out_.final.added);
-      return;
-    }
-    const bool complete = out_.final.added.empty() || Complete() || CompleteWithFewer();
-    if (complete) DropStandIns();
-    TellDynamics();
-    TellDrift();
-    if (!complete) {
-      out_.LeaveUnknown(out_.final.added);
-      return;
-    }
-    if (MayLackLaw()) {
-      out_.warnings.push_back(MayBeMissing(out_.final_left));
-      out_.LeaveUnknown(out_.final.added);
-      return;
-    }
-    if (out_.final.added.empty()) {
-      out_.verdict =
-          out_.base_left.structured || out_.dynamics || out_.drift ? Verdict::kUnknown : Verdict::kAdequate;
-      return;
-    }
-    const double slow = out_.dynamics ? 0 : out_.SlowShare();
-    if (slow > 0) out_.warnings.push_back(MoreIsSlow(slow));
-    if (slow > options_.slow_share ||
-        (out_.dynamics && out_.OfExplained(*out_.dynamics) > options_.dynamics_share)) {
-      out_.LeaveUnknown(out_.final.added);
-      return;
-    }
-    out_.partial = out_.final_left.structured || out_.dynamics || slow > 0;
-    if (out_.final_left.structured) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
-    LeaveOutUnspecific();
-    if (out_.set.empty()) {
-      out_.verdict = Verdict::kUnknown;
-      out_.partial = true;
-      return;
-    }
-    for (const std::string& id : out_.set) out_.groups.push_back({id});
-    out_.verdict = Verdict::kNamed;
-    for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
-  }
-
-  /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if
-  /// not, all of them stay.
-  bool CompleteWithFewer() {
-    StateCandidate all = out_.final;
-    StateRemainder left_by_all = out_.final_left;
-    while (levels_.size() > 2) {
-      levels_.pop_back();
-      out_.final = levels_.back().front();
-      out_.final_left = Left(out_.final.fit);
-      if (Complete()) return true;
-    }
-    out_.final = std::move(all);
-    out_.final_left = std::move(left_by_all);
-    return Complete();
-  }
-
-  const Machine& machine_;
-  std::span<const Episode> episodes_;
-  const ExplainStatesOptions& options_;
-  const SetComparison compare_;
-  std::vector<std::size_t> starts_on_;                          ///< episodes that starts are tried on
-  std::optional<CandidateFits> fits_;                           ///< once the base is fitted
-  std::vector<std::vector<StateCandidate>> levels_;             ///< per number of effects, sets best first
-  std::vector<std::string> ids_;                                ///< effects that may be added
-  std::map<std::vector<std::string>, StateCandidate> without_;  ///< the set found without an effect
-  StatesExplanation out_;
+  FoundSets& found_;
+  const Machine& machine_ = found_.machine;
+  const std::span<const Episode> episodes_ = found_.episodes;
+  const ExplainStatesOptions& options_ = found_.options;
+  const SetComparison& compare_ = found_.compare;
+  std::optional<CandidateFits>& fits_ = found_.fits;
+  std::vector<std::vector<StateCandidate>>& levels_ = found_.levels;
+  std::vector<std::string> ids_;  ///< effects that may be added
+  StatesExplanation& out_ = found_.out;
 };
 
 }  // namespace
 
 StatesExplanation SearchEffects(const Machine& machine, std::span<const Episode> episodes,
                                 std::size_t start_episodes, const ExplainStatesOptions& options) {
-  return EffectSearch(machine, episodes, start_episodes, options).Run();
+  FoundSets found(machine, episodes, start_episodes, options);
+  if (EffectSearch(found).Run()) ConcludeSearch(found);
+  return std::move(found.out);
 }
 
 }  // namespace hydroscope

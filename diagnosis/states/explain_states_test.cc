@@ -140,6 +140,10 @@ parameters = { e = { start = 0, min = -1, max = 1, unit = "m/s" } }
   EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
   EXPECT_TRUE(x.partial);
   EXPECT_FALSE(x.nearest.empty());
+  // The staircase ends at the set found, without what was dropped from it.
+  EXPECT_EQ(x.final.added, x.set);
+  ASSERT_EQ(x.steps.size(), 2u);
+  EXPECT_EQ(x.steps.back().first, "bent_valve");
 }
 
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.

@@ -143,9 +143,8 @@ Status LoopOptions::Validate() const {
 
 Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const TransferModel& model,
                                        const LoopOptions& options) {
-  if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
-  if (const Status moves = CheckThatItMoves(record, *model.plant); !moves)
-    return tl::unexpected(moves.error());
+  TRY(options.Validate());
+  TRY(CheckThatItMoves(record, *model.plant));
   LoopSpectraOptions averaging{.segment_length = options.segment_length};
   auto spectra = AverageLoopSpectra(record, averaging);
   if (!spectra) return tl::unexpected(spectra.error());

@@ -280,12 +280,11 @@ Result<WelchSpectra> SpectraSideBySide(const FrequencyRecord& record,
 }
 
 Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const FrequencyResponseOptions& options) {
-  auto spectra = SpectraSideBySide(record, options);
-  if (!spectra) return tl::unexpected(spectra.error());
+  auto spectra = TRY(SpectraSideBySide(record, options));
   FrequencyResponse response;
   response.method = FrequencyResponseMethod::kWelch;
-  response.segment_length = spectra->segment_length;
-  response.points = std::move(spectra->points);
+  response.segment_length = spectra.segment_length;
+  response.points = std::move(spectra.points);
   const int used = CountReason(response.points, PointReason::kUsed);
   const int outside = CountReason(response.points, PointReason::kOutsideRange);
   if (used < 3 && outside > 0) {
@@ -426,7 +425,7 @@ const char* PointReasonName(PointReason reason) {
 
 Status FrequencyResponseOptions::Validate() const {
   constexpr std::size_t kLeastSegment = 32;
-  if (const Status valid = ValidateSpectra(*this, kLeastSegment); !valid) return valid;
+  TRY(ValidateSpectra(*this, kLeastSegment));
   if (settle_time < 0) return UsageError("settle time {} s: a positive number is needed", settle_time);
   return {};
 }
@@ -442,8 +441,8 @@ void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyRespons
 
 Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,
                                                    const FrequencyResponseOptions& options) {
-  if (auto valid = options.Validate(); !valid) return tl::unexpected(valid.error());
-  if (auto usable = CheckRecord(record); !usable) return tl::unexpected(usable.error());
+  TRY(options.Validate());
+  TRY(CheckRecord(record));
   FrequencyResponseMethod method = options.method;
   Search search;
   if (method != FrequencyResponseMethod::kWelch) search = SearchHeldSines(record);

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/records/valve_check.h"
 #include "core/result.h"
 #include "core/told.h"
-#include "core/valve_check.h"
 
 namespace hydroscope {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/bytes.h"
-#include "core/records.h"
+#include "core/records/estimate.h"
 #include "estimation/recursive/episode_model.h"
 #include "estimation/recursive/information_filter.h"
 

@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "core/bytes.h"
-#include "core/records.h"
-#include "core/stroke_gram.h"
+#include "core/records/estimate.h"
+#include "core/records/stroke_gram.h"
+#include "core/records/stroke_record.h"
 #include "estimation/span_equations.h"
 #include "models/machine.h"
 #include "models/model_structure.h"

@@ -201,8 +201,7 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   model->generic_laws = CushionLaws();
   if (!machine.added_effects.empty()) AddSampleEffects(*model, machine.added_effects);
   // Own effects are flows out of chamber A, as leaks are.
-  if (const Status added = AddUserEffects(machine, -1.0, *model); !added)
-    return tl::unexpected(added.error());
+  TRY(AddUserEffects(machine, -1.0, *model));
   return model;
 }
 

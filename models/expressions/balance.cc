@@ -143,15 +143,13 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
   std::vector<Expression> trees;
   std::vector<std::string> units;
   for (const TermSpec& term : balance.terms) {
-    const auto checked = CheckedText(machine, "terms." + term.parameter, term.expression);
-    if (!checked) return tl::unexpected(checked.error());
+    const auto checked = TRY(CheckedText(machine, "terms." + term.parameter, term.expression));
     model->parameters.push_back(term.parameter);
-    units.push_back(ParameterUnit(term, checked->unit, balance.unit));
-    trees.push_back(checked->tree);
+    units.push_back(ParameterUnit(term, checked.unit, balance.unit));
+    trees.push_back(checked.tree);
   }
-  const auto output = CheckedText(machine, "output", balance.output);
-  if (!output) return tl::unexpected(output.error());
-  trees.push_back(output->tree);
+  const auto output = TRY(CheckedText(machine, "output", balance.output));
+  trees.push_back(output.tree);
   AddSignalChannels(machine, trees, *model);
 
   ExpressionChannels channels(*model, machine.window.half_width);
@@ -176,9 +174,8 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
 
   std::vector<std::shared_ptr<const Effect>> effects;
   for (const UserEffectSpec& spec : machine.user_effects) {
-    auto effect = MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit});
-    if (!effect) return tl::unexpected(effect.error());
-    effects.push_back(std::make_shared<const Effect>(std::move(*effect)));
+    auto effect = TRY(MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit}));
+    effects.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
   model->derive_channels = channels.Derivation();
   ShowChannels(machine, *model);

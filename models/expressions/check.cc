@@ -225,14 +225,12 @@ ExpressionNames ExpressionNamesOf(const Machine& machine, const UserEffectSpec& 
 }
 
 ExpressionResult<CheckedExpression> CheckExpression(const std::string& text, const ExpressionNames& names) {
-  const auto tree = ParseExpression(text);
-  if (!tree) return tl::unexpected(tree.error());
-  if (const Checked fine = CheckNames(**tree, names, false); !fine) return tl::unexpected(fine.error());
-  const auto unit = UnitOf(**tree, names.units);
-  if (!unit) return tl::unexpected(unit.error());
-  if (const Checked fine = CheckDelays(**tree, names); !fine) return tl::unexpected(fine.error());
-  if (const Checked fine = CheckRates(**tree, names); !fine) return tl::unexpected(fine.error());
-  return CheckedExpression{*tree, *unit};
+  const auto tree = TRY(ParseExpression(text));
+  if (const Checked fine = CheckNames(*tree, names, false); !fine) return tl::unexpected(fine.error());
+  const auto unit = TRY(UnitOf(*tree, names.units));
+  if (const Checked fine = CheckDelays(*tree, names); !fine) return tl::unexpected(fine.error());
+  if (const Checked fine = CheckRates(*tree, names); !fine) return tl::unexpected(fine.error());
+  return CheckedExpression{tree, unit};
 }
 
 Expression WithValues(const Expression& expression, const std::map<std::string, double>& values) {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/sample_block.h"
+#include "core/records/sample_block.h"
 #include "models/expressions/evaluator.h"
 #include "models/machine.h"
 

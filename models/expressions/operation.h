@@ -7,49 +7,11 @@
 
 namespace hydroscope {
 
-/// The operation on numbers. Not finite (division by zero, root of a negative value) comes out as IEEE 754 has it. Of an
-/// operation known to the compiler nothing but that is left.
-[[gnu::always_inline]] inline double Compute(Operation operation, double a, double b, double c) {
+/// Functions of one number, and powers.
+[[gnu::always_inline]] inline double ComputeFunction(Operation operation, double a, double b) {
   switch (operation) {
-    case Operation::kInput:
-    case Operation::kConstant:
-      return a;
-    case Operation::kNegate:
-      return -a;
-    case Operation::kNot:
-      return a == 0;
-    case Operation::kAdd:
-      return a + b;
-    case Operation::kSubtract:
-      return a - b;
-    case Operation::kMultiply:
-      return a * b;
-    case Operation::kDivide:
-      return a / b;
     case Operation::kPower:
       return std::pow(a, b);
-    case Operation::kLess:
-      return a < b;
-    case Operation::kLessEqual:
-      return a <= b;
-    case Operation::kGreater:
-      return a > b;
-    case Operation::kGreaterEqual:
-      return a >= b;
-    case Operation::kEqual:
-      return a == b;
-    case Operation::kNotEqual:
-      return a != b;
-    case Operation::kAnd:
-      return a != 0 && b != 0;
-    case Operation::kOr:
-      return a != 0 || b != 0;
-    case Operation::kSelect:
-      return a != 0 ? b : c;
-    case Operation::kMin:
-      return std::min(a, b);
-    case Operation::kMax:
-      return std::max(a, b);
     case Operation::kAbs:
       return std::abs(a);
     case Operation::kSign:
@@ -82,14 +44,69 @@ namespace hydroscope {
       return std::cosh(a);
     case Operation::kTanh:
       return std::tanh(a);
+    default:
+      return a;
+  }
+}
+
+/// Comparisons, truth (anything but 0) and choices.
+[[gnu::always_inline]] inline double ComputeChoice(Operation operation, double a, double b, double c) {
+  switch (operation) {
+    case Operation::kNot:
+      return a == 0;
+    case Operation::kLess:
+      return a < b;
+    case Operation::kLessEqual:
+      return a <= b;
+    case Operation::kGreater:
+      return a > b;
+    case Operation::kGreaterEqual:
+      return a >= b;
+    case Operation::kEqual:
+      return a == b;
+    case Operation::kNotEqual:
+      return a != b;
+    case Operation::kAnd:
+      return a != 0 && b != 0;
+    case Operation::kOr:
+      return a != 0 || b != 0;
+    case Operation::kSelect:
+      return a != 0 ? b : c;
+    case Operation::kMin:
+      return std::min(a, b);
+    case Operation::kMax:
+      return std::max(a, b);
+    default:
+      return ComputeFunction(operation, a, b);
+  }
+}
+
+/// The operation on numbers. Not finite (division by zero, root of a negative value) comes out as IEEE 754 has it. Of an
+/// operation known to the compiler nothing but that is left.
+[[gnu::always_inline]] inline double Compute(Operation operation, double a, double b, double c) {
+  switch (operation) {
+    case Operation::kInput:
+    case Operation::kConstant:
+      return a;
+    case Operation::kNegate:
+      return -a;
+    case Operation::kAdd:
+      return a + b;
+    case Operation::kSubtract:
+      return a - b;
+    case Operation::kMultiply:
+      return a * b;
+    case Operation::kDivide:
+      return a / b;
     case Operation::kProductPlus:
       return a * b + c;
     case Operation::kProductMinus:
       return a * b - c;
     case Operation::kMinusProduct:
       return c - a * b;
+    default:
+      return ComputeChoice(operation, a, b, c);
   }
-  return a;
 }
 
 }  // namespace hydroscope

@@ -155,6 +155,37 @@ ExpressionResult<ExpressionUnit> Common(const ExpressionNode& at, const Expressi
 
 const std::set<std::string> kComparisons = {"<", "<=", ">", ">=", "==", "!="};
 
+/// What all arguments from `first` on have in common.
+ExpressionResult<ExpressionUnit> CommonOf(const ExpressionNode& node, const std::vector<ExpressionUnit>& args,
+                                          std::size_t first) {
+  ExpressionResult<ExpressionUnit> unit = args[first];
+  for (std::size_t i = first + 1; unit && i < args.size(); ++i) unit = Common(node, *unit, args[i]);
+  return unit;
+}
+
+ExpressionResult<ExpressionUnit> UnitOfCall(const ExpressionNode& node,
+                                            const std::vector<ExpressionUnit>& args) {
+  if (node.text == "abs") return args[0];
+  if (node.text == "sign" || node.text == "atan2") return ExpressionUnit{};
+  if (node.text == "sqrt") return ExpressionUnit{args[0].dimension.Power(0.5), args[0].exact};
+  if (node.text == "ddt")
+    return ExpressionUnit{args[0].dimension * Dimension{{0, 0, -1, 0, 0}}, args[0].exact};
+  if (node.text == "min" || node.text == "max") return CommonOf(node, args, 0);
+  if (node.text == "delay") {
+    if (args[1].exact && !(args[1].dimension == Dimension{{0, 0, 1, 0, 0}}))
+      return tl::unexpected(ExpressionError{
+          node.args[1]->at,
+          Tell("a delay in {}, expected s", "eine Verzögerung in {}, erwartet: s", Shown(args[1]))});
+    return args[0];
+  }
+  if (args[0].exact && !args[0].dimension.pure())
+    return tl::unexpected(ExpressionError{
+        node.at, Tell("{} of {}, expected a pure number: divide by a value of that unit first",
+                      "{} von {}, erwartet: eine reine Zahl; erst durch einen Wert dieser Einheit teilen",
+                      node.text, Shown(args[0]))});
+  return ExpressionUnit{};
+}
+
 }  // namespace
 
 bool Dimension::operator==(const Dimension& other) const {
@@ -214,11 +245,6 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
     if (!unit) return unit;
     args.push_back(*unit);
   }
-  const auto common = [&](std::size_t first) -> ExpressionResult<ExpressionUnit> {
-    ExpressionResult<ExpressionUnit> unit = args[first];
-    for (std::size_t i = first + 1; unit && i < args.size(); ++i) unit = Common(node, *unit, args[i]);
-    return unit;
-  };
   switch (node.kind) {
     case Kind::kNumber:
       return ExpressionUnit{{}, false};
@@ -232,7 +258,7 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
     case Kind::kNot:
       return ExpressionUnit{};
     case Kind::kConditional:
-      return common(1);
+      return CommonOf(node, args, 1);
     case Kind::kBinary:
       if (node.text == "*")
         return ExpressionUnit{args[0].dimension * args[1].dimension, args[0].exact && args[1].exact};
@@ -248,29 +274,12 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
         return ExpressionUnit{args[0].dimension, args[0].exact && args[0].dimension.pure()};
       }
       if (node.text == "&&" || node.text == "||") return ExpressionUnit{};
-      if (const auto both = common(0); !both) return both;
-      return kComparisons.contains(node.text) ? ExpressionUnit{} : *common(0);
+      return CommonOf(node, args, 0).map([&](const ExpressionUnit& both) {
+        return kComparisons.contains(node.text) ? ExpressionUnit{} : both;
+      });
     case Kind::kCall:
-      break;
+      return UnitOfCall(node, args);
   }
-  if (node.text == "abs") return args[0];
-  if (node.text == "sign" || node.text == "atan2") return ExpressionUnit{};
-  if (node.text == "sqrt") return ExpressionUnit{args[0].dimension.Power(0.5), args[0].exact};
-  if (node.text == "ddt")
-    return ExpressionUnit{args[0].dimension * Dimension{{0, 0, -1, 0, 0}}, args[0].exact};
-  if (node.text == "min" || node.text == "max") return common(0);
-  if (node.text == "delay") {
-    if (args[1].exact && !(args[1].dimension == Dimension{{0, 0, 1, 0, 0}}))
-      return tl::unexpected(ExpressionError{
-          node.args[1]->at,
-          Tell("a delay in {}, expected s", "eine Verzögerung in {}, erwartet: s", Shown(args[1]))});
-    return args[0];
-  }
-  if (args[0].exact && !args[0].dimension.pure())
-    return tl::unexpected(ExpressionError{
-        node.at, Tell("{} of {}, expected a pure number: divide by a value of that unit first",
-                      "{} von {}, erwartet: eine reine Zahl; erst durch einen Wert dieser Einheit teilen",
-                      node.text, Shown(args[0]))});
   return ExpressionUnit{};
 }
 

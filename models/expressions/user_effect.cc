@@ -120,9 +120,8 @@ Status AddUserEffects(const Machine& machine, double sign, ModelStructure& model
   ExpressionChannels channels(model, machine.window.half_width);
   std::vector<std::shared_ptr<const Effect>> effects;
   for (const UserEffectSpec& spec : machine.user_effects) {
-    auto effect = MakeUserEffect(machine, spec, {&channels, model.level_form, sign, model.output_unit});
-    if (!effect) return tl::unexpected(effect.error());
-    effects.push_back(std::make_shared<const Effect>(std::move(*effect)));
+    auto effect = TRY(MakeUserEffect(machine, spec, {&channels, model.level_form, sign, model.output_unit}));
+    effects.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
   model.derive_channels = [built_in = model.derive_channels, own = channels.Derivation()](Stretch& s) {
     if (built_in) built_in(s);

@@ -77,10 +77,9 @@ Result<Machine> LoadMachine(const std::string& path) {
 }
 
 Result<Machine> ParseMachine(const std::string& text, const std::string& origin) {
-  const Result<toml::table> root = ParseToml(text, origin);
-  if (!root) return tl::unexpected(root.error());
+  const toml::table root = TRY(ParseToml(text, origin));
   FileProblems problems(origin);
-  TableReader file(*root, "", problems);
+  TableReader file(root, "", problems);
   file.AllowOnly(MachineFileKeys(""));
   Machine machine;
   ReadMachineSection(file, machine);

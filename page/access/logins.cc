@@ -25,9 +25,7 @@ Result<AccessStore*> Logins::Store() {
   const FileIdentity now = FileIdentity::Of(AccessStore::PathFor(database_));
   if (store_ && now == file_) return &*store_;
   store_.reset();
-  auto opened = AccessStore::OpenExisting(database_);
-  if (!opened) return tl::unexpected(opened.error());
-  store_ = std::move(*opened);
+  store_ = TRY(AccessStore::OpenExisting(database_));
   file_ = now;
   return &*store_;
 }
@@ -43,26 +41,21 @@ Result<Logins::Begun> Logins::Begin(const std::string& name, const std::string& 
                                     const std::string& address) {
   const double now = Seconds(clock_().monotonic_ns), wall = Wall();
   if (const double wait = limiter_.Wait(name, address, now); wait > 0) return Begun{"", wait, {}};
-  const auto store = Store();
-  if (!store) return tl::unexpected(store.error());
-  const auto user = (*store)->User(name);
-  if (!user) return tl::unexpected(user.error());
-  const std::string hash = *user ? (*user)->password : "";
-  const auto role = *user ? RoleOf((*user)->role) : std::nullopt;
+  const auto store = TRY(Store());
+  const auto user = TRY(store->User(name));
+  const std::string hash = user ? user->password : "";
+  const auto role = user ? RoleOf(user->role) : std::nullopt;
   if (!IsPassword(hash, password) || !role) {
     limiter_.Failed(name, address, now);
     const std::string shown = IsUserName(name) ? name : "";  // somebody may type the password there
-    if (const Status told = Record({shown, UserRole::kNobody, ""}, address, "login", "", "refused"); !told)
-      return tl::unexpected(told.error());
+    TRY(Record({shown, UserRole::kNobody, ""}, address, "login", "", "refused"));
     return Begun{};
   }
   limiter_.Succeeded(name, address);
   Begun begun{RandomToken(), 0, {name, *role, RandomToken()}};
-  if (const Status told = Record(begun.who, address, "login", ""); !told) return tl::unexpected(told.error());
-  if (const Status ended = (*store)->EndOldSessions(wall - kLife, wall - kIdle); !ended)
-    return tl::unexpected(ended.error());
-  const Status added = (*store)->AddSession({HashOfToken(begun.cookie), name, begun.who.token, wall, wall});
-  if (!added) return tl::unexpected(added.error());
+  TRY(Record(begun.who, address, "login", ""));
+  TRY(store->EndOldSessions(wall - kLife, wall - kIdle));
+  TRY(store->AddSession({HashOfToken(begun.cookie), name, begun.who.token, wall, wall}));
   return begun;
 }
 
@@ -90,16 +83,14 @@ Status Logins::End(const std::string& cookie) {
 
 Status Logins::Record(const Who& who, const std::string& address, const std::string& what,
                       const std::string& detail, const std::string& outcome) {
-  const auto store = Store();
-  if (!store) return tl::unexpected(store.error());
-  return (*store)->Append(
+  const auto store = TRY(Store());
+  return store->Append(
       {0, Wall(), who.name, RoleName(who.role), address, what, detail.substr(0, kLongestDetail), outcome});
 }
 
 Result<std::vector<AuditRow>> Logins::Audit(std::int64_t most) {
-  const auto store = Store();
-  if (!store) return tl::unexpected(store.error());
-  return (*store)->Audit(most);
+  const auto store = TRY(Store());
+  return store->Audit(most);
 }
 
 }  // namespace hydroscope

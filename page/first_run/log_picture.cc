@@ -68,10 +68,9 @@ std::vector<GateCourse> GateCoursesOf(const Machine& machine, double period) {
 }  // namespace
 
 Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& machine) {
-  auto reader = OpenRecording(log, machine);
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(OpenRecording(log, machine));
   nlohmann::json strokes = nlohmann::json::array(), no_strokes;
-  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), [&](StrokeRecord&& stroke) {
+  auto pipeline = Pipeline::Create(machine, reader->SamplePeriod(), [&](StrokeRecord&& stroke) {
     strokes.push_back({{"begin", stroke.summary.begin}, {"end", stroke.summary.end}});
   });
   if (MeasuredByResponse(KindOf(machine)))
@@ -79,7 +78,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   else if (!pipeline)
     no_strokes = ErrorJson(ToldOf(pipeline.error()));
   std::vector<Envelope> signals(machine.signals.size(), Envelope(kPicturePoints));
-  std::vector<GateCourse> gate = GateCoursesOf(machine, (*reader)->SamplePeriod());
+  std::vector<GateCourse> gate = GateCoursesOf(machine, reader->SamplePeriod());
   double first = kNaN, last = kNaN;
   std::int64_t rows = 0;
   LogPassHooks hooks;
@@ -93,8 +92,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
     last = block.time.back();
     rows += static_cast<std::int64_t>(block.rows());
   };
-  const auto pass = PassLog(**reader, machine, pipeline ? pipeline->get() : nullptr, "picture", hooks);
-  if (!pass) return tl::unexpected(pass.error());
+  const auto pass = TRY(PassLog(*reader, machine, pipeline ? pipeline->get() : nullptr, "picture", hooks));
   nlohmann::json shown = nlohmann::json::array();
   for (std::size_t s = 0; s < signals.size(); ++s) {
     const DisplayUnit unit = ShownUnit(machine, machine.signals[s].name);
@@ -115,7 +113,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
                         {"signals", shown},
                         {"strokes", strokes},
                         {"gate", std::move(courses)},
-                        {"discarded", pass->summary.discarded_strokes},
+                        {"discarded", pass.summary.discarded_strokes},
                         {"no_strokes", no_strokes}};
 }
 

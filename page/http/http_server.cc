@@ -346,18 +346,16 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Open(const HttpListen& listen, H
   impl.hooks = std::move(hooks);
   impl.listen = listen;  // the library keeps pointers into it
   if (!listen.socket.empty()) {
-    const auto listener = ListenAt(listen.socket);
-    if (!listener) return tl::unexpected(listener.error());
-    impl.of_socket.Open(0, {{MHD_OPTION_LISTEN_SOCKET, *listener, nullptr}});
+    const auto listener = TRY(ListenAt(listen.socket));
+    impl.of_socket.Open(0, {{MHD_OPTION_LISTEN_SOCKET, listener, nullptr}});
     if (impl.of_socket.daemon == nullptr)
       return InternalError("the socket {} cannot be served", listen.socket);
     impl.socket = listen.socket;
   }
   if (!listen.port) return server;
-  auto place = PlaceOf(listen.address, *listen.port);
-  if (!place) return tl::unexpected(place.error());
-  unsigned flags = place->ss_family == AF_INET6 ? MHD_USE_IPv6 : 0;
-  std::vector<MHD_OptionItem> options = {{MHD_OPTION_SOCK_ADDR, 0, &*place}};
+  auto place = TRY(PlaceOf(listen.address, *listen.port));
+  unsigned flags = place.ss_family == AF_INET6 ? MHD_USE_IPv6 : 0;
+  std::vector<MHD_OptionItem> options = {{MHD_OPTION_SOCK_ADDR, 0, &place}};
   if (!listen.certificate.empty()) {
     flags |= MHD_USE_TLS;
     options.push_back({MHD_OPTION_HTTPS_MEM_CERT, 0, impl.listen.certificate.data()});

@@ -30,9 +30,8 @@ Result<double> FiniteNumber(const nlohmann::json& value, const std::string& key)
 Result<std::optional<double>> NumberOf(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || found->is_null()) return std::optional<double>();
-  const auto number = FiniteNumber(*found, key);
-  if (!number) return tl::unexpected(number.error());
-  return std::optional<double>(*number);
+  const auto number = TRY(FiniteNumber(*found, key));
+  return std::optional<double>(number);
 }
 
 bool IsPlain(const std::string& text) {

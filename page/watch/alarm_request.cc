@@ -20,12 +20,11 @@ constexpr double kLongestShelf = 31 * 86400.0;
 }  // namespace
 
 Result<AlarmRequest> ParseAlarmRequest(const std::string& body) {
-  const auto json = ParseObject(body);
-  if (!json) return tl::unexpected(json.error());
+  const auto json = TRY(ParseObject(body));
   AlarmRequest request;
-  const auto action = TextOf(*json, "action"), machine = TextOf(*json, "machine"),
-             alarm = TextOf(*json, "alarm"), user = TextOf(*json, "user"),
-             comment = TextOf(*json, "comment", kLongestComment);
+  const auto action = TextOf(json, "action"), machine = TextOf(json, "machine"),
+             alarm = TextOf(json, "alarm"), user = TextOf(json, "user"),
+             comment = TextOf(json, "comment", kLongestComment);
   for (const auto* text : {&action, &machine, &alarm, &user, &comment})
     if (!*text) return tl::unexpected(text->error());
   const auto named = std::find_if(std::begin(kActions), std::end(kActions),
@@ -33,9 +32,8 @@ Result<AlarmRequest> ParseAlarmRequest(const std::string& body) {
   if (named == std::end(kActions))
     return BadInput("action: found '{}', expected acknowledge, shelve, unshelve or comment", *action);
   if (alarm->empty()) return BadInput("alarm: expected the id of an alarm");
-  const auto seconds = NumberOf(*json, "seconds");
-  if (!seconds) return tl::unexpected(seconds.error());
-  request = {named->second, *machine, *alarm, *user, *comment, seconds->value_or(0)};
+  const auto seconds = TRY(NumberOf(json, "seconds"));
+  request = {named->second, *machine, *alarm, *user, *comment, seconds.value_or(0)};
   const bool shelves = request.action == Action::kShelve;
   if (shelves && !(request.seconds > 0 && request.seconds <= kLongestShelf))
     return BadInput(Told("seconds: expected a time above 0, of at most a month",

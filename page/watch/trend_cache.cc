@@ -63,9 +63,8 @@ Result<TrendPicture> TrendCache::Picture(const Database& database, std::int64_t 
   picture.width =
       std::max<std::int64_t>(1, (end - first + most_bins - 1) / std::max<std::int64_t>(most_bins, 1));
   const auto read = [&](std::int64_t from, std::int64_t most) -> Status {
-    auto bins = database.TrendBins(machine, parameter, from, end, picture.width, most);
-    if (!bins) return tl::unexpected(bins.error());
-    picture.bins.insert(picture.bins.end(), bins->begin(), bins->end());
+    auto bins = TRY(database.TrendBins(machine, parameter, from, end, picture.width, most));
+    picture.bins.insert(picture.bins.end(), bins.begin(), bins.end());
     return {};
   };
   std::int64_t from = first;
@@ -84,7 +83,7 @@ Result<TrendPicture> TrendCache::Picture(const Database& database, std::int64_t 
     }
   }
   picture.exact = end - from <= kMostRead;
-  if (const Status done = read(from, picture.exact ? 0 : kGlance); !done) return tl::unexpected(done.error());
+  TRY(read(from, picture.exact ? 0 : kGlance));
   return picture;
 }
 

@@ -91,18 +91,13 @@ Result<std::unique_ptr<WatchedMachine>> WatchedMachine::Create(const Sources& so
   std::unique_ptr<WatchedMachine> watched(new WatchedMachine(sources));
   watched->name_ = name;
   watched->id_ = id;
-  if (const Status runs = watched->ReadRuns(); !runs) return tl::unexpected(runs.error());
+  TRY(watched->ReadRuns());
   if (watched->end_ == 0) return watched;
-  auto machine = StoredMachine(sources.database, sources.path, {name, id, 0, watched->end_});
-  if (!machine) return tl::unexpected(machine.error());
-  watched->described_ = watched->machine_ = std::move(*machine);
+  auto machine = TRY(StoredMachine(sources.database, sources.path, {name, id, 0, watched->end_}));
+  watched->described_ = watched->machine_ = std::move(machine);
   watched->machine_.name = name;
-  auto model = BuildModel(watched->machine_);
-  if (!model) return tl::unexpected(model.error());
-  watched->model_ = std::move(*model);
-  auto rules = RulesFor(sources.machine_file, watched->machine_);
-  if (!rules) return tl::unexpected(rules.error());
-  watched->rules_ = std::move(*rules);
+  watched->model_ = TRY(BuildModel(watched->machine_));
+  watched->rules_ = TRY(RulesFor(sources.machine_file, watched->machine_));
   if (sources.journal != nullptr)
     watched->monitor_ = std::make_unique<AxisMonitor>(watched->machine_, watched->model_, watched->rules_,
                                                       sources.database, sources.path, id, *sources.journal);
@@ -110,34 +105,30 @@ Result<std::unique_ptr<WatchedMachine>> WatchedMachine::Create(const Sources& so
 }
 
 Status WatchedMachine::ReadRuns() {
-  const auto runs = sources_.database.Runs(id_);
-  if (!runs) return tl::unexpected(runs.error());
-  runs_ = runs->size();
+  const auto runs = TRY(sources_.database.Runs(id_));
+  runs_ = runs.size();
   marks_.clear();
   int version = 0;
-  for (const RunInfo& run : *runs) {
+  for (const RunInfo& run : runs) {
     end_ = run.first_sequence + run.strokes;
-    if (run.strokes == 0 && &run != &runs->back()) continue;
+    if (run.strokes == 0 && &run != &runs.back()) continue;
     if (version != 0 && run.model_version != version)
       marks_.push_back(
           {"model", run.first_sequence, Tell("version {}", "Version {}", run.model_version),
            Tell("model version {} after {}", "Modell Version {} nach {}", run.model_version, version)});
     version = run.model_version;
   }
-  const auto promoted = sources_.database.PromotedModel(id_);
-  if (!promoted) return tl::unexpected(promoted.error());
-  model_version_ = *promoted ? (*promoted)->version : version;
+  const auto promoted = TRY(sources_.database.PromotedModel(id_));
+  model_version_ = promoted ? promoted->version : version;
   return {};
 }
 
 Status WatchedMachine::ReadValveChecks() {
-  const auto checks = sources_.database.ValveChecks(id_);
-  if (!checks) return tl::unexpected(checks.error());
-  for (const ValveCheckRecord& check : *checks) {
-    const auto stroke = sources_.database.SequenceNear(id_, check.check.time);
-    if (!stroke) return tl::unexpected(stroke.error());
-    if (*stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", *stroke, check.outcome, check.detail});
+  const auto checks = TRY(sources_.database.ValveChecks(id_));
+  for (const ValveCheckRecord& check : checks) {
+    const auto stroke = TRY(sources_.database.SequenceNear(id_, check.check.time));
+    if (stroke == 0) continue;  // before anything that is stored
+    marks_.push_back({"valve_check", stroke, check.outcome, check.detail});
   }
   return {};
 }
@@ -206,9 +197,7 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
   if (monitor_ && monitor_->monitor() != nullptr) {
     const std::int64_t first = std::max(monitor_->monitor()->reference().last_sequence() + 1,
                                         monitor_->next_stroke() - kStrokesCompared);
-    auto values = monitor_->JudgedValues(first, std::max<std::int64_t>(0, monitor_->next_stroke() - first));
-    if (!values) return tl::unexpected(values.error());
-    judged = std::move(*values);
+    judged = TRY(monitor_->JudgedValues(first, std::max<std::int64_t>(0, monitor_->next_stroke() - first)));
   }
   nlohmann::json list = nlohmann::json::array();
   const auto add = [&](const std::string& name, const Estimate* estimate) -> Status {
@@ -219,10 +208,9 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
       json["trend"] = false;
     } else {
       const std::int64_t width = std::max<std::int64_t>(1, (end_ + kSparkPoints - 1) / kSparkPoints);
-      const auto bins = sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance);
-      if (!bins) return tl::unexpected(bins.error());
+      const auto bins = TRY(sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance));
       nlohmann::json spark = nlohmann::json::array();
-      for (const TrendBin& bin : *bins) spark.push_back(JsonNumber(bin.mean));
+      for (const TrendBin& bin : bins) spark.push_back(JsonNumber(bin.mean));
       json.update({{"trend", true},
                    {"value", JsonNumber(estimate->value)},
                    {"std", JsonNumber(estimate->std)},
@@ -233,15 +221,13 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
     list.push_back(std::move(json));
     return {};
   };
-  for (const TrendPoint& point : latest)
-    if (const Status added = add(point.estimate.parameter, &point.estimate); !added)
-      return tl::unexpected(added.error());
+  for (const TrendPoint& point : latest) TRY(add(point.estimate.parameter, &point.estimate));
   for (const auto& [name, parameter] : parameters_) {
     const bool estimated =
         std::any_of(latest.begin(), latest.end(),
                     [&, &sought = name](const TrendPoint& p) { return p.estimate.parameter == sought; });
     if (estimated) continue;
-    if (const Status added = add(name, nullptr); !added) return tl::unexpected(added.error());
+    TRY(add(name, nullptr));
   }
   return list;
 }
@@ -270,20 +256,17 @@ hydroscope::Health WatchedMachine::Health() const {
 }
 
 Status WatchedMachine::Refresh(const nlohmann::json& told) {
-  if (const Status runs = ReadRuns(); !runs) return runs;
-  if (const Status checks = ReadValveChecks(); !checks) return checks;
+  TRY(ReadRuns());
+  TRY(ReadValveChecks());
   not_looked_.clear();
   if (monitor_)
     if (const Status looked = monitor_->Look(); !looked) not_looked_ = looked.error().text;
   std::vector<TrendPoint> latest;
   if (model_ != nullptr) {  // first strokes make another object (Watcher)
-    auto points = sources_.database.Trend(id_, "", end_ - 1, end_);
-    if (!points) return tl::unexpected(points.error());
-    latest = std::move(*points);
+    latest = TRY(sources_.database.Trend(id_, "", end_ - 1, end_));
   }
-  if (const Status described = DescribeParameters(latest); !described) return described;
-  auto parameters = ParametersJson(latest);
-  if (!parameters) return tl::unexpected(parameters.error());
+  TRY(DescribeParameters(latest));
+  auto parameters = TRY(ParametersJson(latest));
   const double last = latest.empty() ? kNaN : latest.front().time;
   const double oil = latest.empty() ? kNaN : latest.front().oil_temperature;
   dated_ = CountsFrom1970(last);
@@ -301,7 +284,7 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
            {"effects", machine_.added_effects},
            {"reference_version", monitor == nullptr ? 0 : monitor->reference().version()},
            {"judged_to", monitor_ ? monitor_->next_stroke() : 0},
-           {"parameters", std::move(*parameters)}};
+           {"parameters", std::move(parameters)}};
   return {};
 }
 

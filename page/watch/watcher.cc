@@ -65,15 +65,14 @@ struct Watcher::Opened {
 
   Status ReadRows() {
     for (;;) {
-      const auto rows = journal->Rows("", read_to, kRowsAtATime);
-      if (!rows) return tl::unexpected(rows.error());
-      for (const JournalRow& row : *rows) {
+      const auto rows = TRY(journal->Rows("", read_to, kRowsAtATime));
+      for (const JournalRow& row : rows) {
         read_to = row.sequence;
         std::vector<TrendMark>& kept = marks[row.machine];
         if (auto mark = MarkOf(row.event)) kept.push_back(std::move(*mark));
         if (kept.size() > kMostMarks) kept.erase(kept.begin(), kept.begin() + kMostMarks / 2);
       }
-      if (static_cast<std::int64_t>(rows->size()) < kRowsAtATime) return {};
+      if (static_cast<std::int64_t>(rows.size()) < kRowsAtATime) return {};
     }
   }
 
@@ -81,21 +80,19 @@ struct Watcher::Opened {
   /// to look at.
   Result<const WatchedMachine*> Refresh(const std::string& name, const WatchedMachine::Sources& sources,
                                         const nlohmann::json& told) {
-    const auto id = database.MachineId(name);
-    if (!id) return tl::unexpected(id.error());
+    const auto id = TRY(database.MachineId(name));
     const auto known = std::find_if(machines.begin(), machines.end(),
                                     [&](const auto& machine) { return machine->name() == name; });
     if (known != machines.end()) {
       const int version = (*known)->model_version();
       const bool had_strokes = (*known)->end() > 0;
-      if (const Status fresh = (*known)->Refresh(told); !fresh) return tl::unexpected(fresh.error());
+      TRY((*known)->Refresh(told));
       if ((*known)->model_version() == version && had_strokes) return known->get();
       machines.erase(known);
     }
-    auto created = WatchedMachine::Create(sources, name, *id);
-    if (!created) return tl::unexpected(created.error());
-    if (const Status fresh = (*created)->Refresh(told); !fresh) return tl::unexpected(fresh.error());
-    return machines.emplace_back(std::move(*created)).get();
+    auto created = TRY(WatchedMachine::Create(sources, name, id));
+    TRY(created->Refresh(told));
+    return machines.emplace_back(std::move(created)).get();
   }
 };
 
@@ -178,40 +175,36 @@ Status Watcher::Open() {
   const FileIdentity file = FileIdentity::Of(options_.database), journal_file = FileIdentity::Of(journal);
   if (opened_ && opened_->file == file && opened_->journal_file == journal_file) return {};
   opened_.reset();
-  auto database = Database::OpenReadOnly(options_.database);
-  if (!database) return tl::unexpected(database.error());
-  opened_ = std::make_unique<Opened>(std::move(*database));
+  auto database = TRY(Database::OpenReadOnly(options_.database));
+  opened_ = std::make_unique<Opened>(std::move(database));
   opened_->file = file;
   opened_->journal_file = journal_file;
   if (!journal_file.exists()) return {};
-  auto opened = AlarmJournal::OpenReadOnly(journal);
-  if (!opened) return tl::unexpected(opened.error());
-  const auto of = opened->DatabaseIdentity(), own = opened_->database.Identity();
-  if (of && own && (of->empty() || *of == *own)) opened_->journal = std::move(*opened);
+  auto opened = TRY(AlarmJournal::OpenReadOnly(journal));
+  const auto of = opened.DatabaseIdentity(), own = opened_->database.Identity();
+  if (of && own && (of->empty() || *of == *own)) opened_->journal = std::move(opened);
   return {};
 }
 
 Status Watcher::Look() {
-  if (const Status open = Open(); !open) return open;
+  TRY(Open());
   Opened& opened = *opened_;
-  const auto names = opened.database.MachineNames();
-  if (!names) return tl::unexpected(names.error());
+  const auto names = TRY(opened.database.MachineNames());
   nlohmann::json service = options_.service();
   // What makes a difference; the service's ages and counters change always.
   std::string seen = service.is_object() ? service.value("drift", nlohmann::json()).dump() : "";
-  for (const std::string& name : *names) {
+  for (const std::string& name : names) {
     const auto id = opened.database.MachineId(name);
-    const auto end = id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error()));
-    if (!end) return tl::unexpected(end.error());
-    seen += fmt::format("{} {}\n", name, *end);
+    const auto end =
+        TRY(id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error())));
+    seen += fmt::format("{} {}\n", name, end);
   }
   if (opened.journal) {
-    const auto last = opened.journal->LastSequence();
-    if (!last) return tl::unexpected(last.error());
-    seen += fmt::format("rows {}\n", *last);
+    const auto last = TRY(opened.journal->LastSequence());
+    seen += fmt::format("rows {}\n", last);
   }
   if (seen == seen_) return {};
-  if (const Status read = Read(opened, service); !read) return read;
+  TRY(Read(opened, service));
   seen_ = std::move(seen);
   return {};
 }
@@ -265,12 +258,10 @@ nlohmann::json GermanJson(const AlarmState& alarm) {
 /// All alarms the journal knows; `standing` gets the number of those not at rest, by machine.
 Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, std::map<std::string, int>& standing) {
   nlohmann::json list = nlohmann::json::array();
-  const auto machines = journal.Machines();
-  if (!machines) return tl::unexpected(machines.error());
-  for (const std::string& machine : *machines) {
-    const auto axis = journal.Axis(machine);
-    if (!axis) return tl::unexpected(axis.error());
-    for (const AlarmState& alarm : axis->alarms) {
+  const auto machines = TRY(journal.Machines());
+  for (const std::string& machine : machines) {
+    const auto axis = TRY(journal.Axis(machine));
+    for (const AlarmState& alarm : axis.alarms) {
       const AlarmWords& words = alarm.words;
       nlohmann::json json = AlarmJson(machine, alarm);
       const EffectUnit shown = alarm.unit == "1" ? EffectUnit{100, "%"} : EffectUnitFor(alarm.unit);
@@ -296,21 +287,17 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
   state->alarms = nlohmann::json::array();
   std::map<std::string, int> standing;
   if (opened.journal) {
-    if (const Status rows = opened.ReadRows(); !rows) return rows;
-    auto alarms = AlarmsJson(*opened.journal, standing);
-    if (!alarms) return tl::unexpected(alarms.error());
-    state->alarms = std::move(*alarms);
+    TRY(opened.ReadRows());
+    state->alarms = TRY(AlarmsJson(*opened.journal, standing));
   }
   nlohmann::json list = nlohmann::json::array(), effects = nlohmann::json::array();
   std::vector<AxisPicture> axes;
-  const auto names = opened.database.MachineNames();
-  if (!names) return tl::unexpected(names.error());
+  const auto names = TRY(opened.database.MachineNames());
   const WatchedMachine::Sources sources{opened.database, options_.database,
                                         opened.journal ? &*opened.journal : nullptr, options_.machine_file};
-  for (const std::string& name : *names) {
-    const auto known = opened.Refresh(name, sources, ServiceTold(service, name));
-    if (!known) return tl::unexpected(known.error());
-    const WatchedMachine& machine = **known;
+  for (const std::string& name : names) {
+    const auto known = TRY(opened.Refresh(name, sources, ServiceTold(service, name)));
+    const WatchedMachine& machine = *known;
     WatchedState::MachineState& shown = state->machines[name];
     shown = {machine.id(), machine.end(), machine.dated(), machine.parameters(), opened.marks[name], {}};
     for (const SignalSpec& signal : machine.described().signals)
@@ -323,9 +310,8 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     list.back()["alarms"] = standing[name];
     axes.push_back(machine.picture());
     if (!opened.journal) continue;
-    auto content = opened.journal->Axis(name);
-    if (!content) return tl::unexpected(content.error());
-    axes.back().alarms = std::move(content->alarms);
+    auto content = TRY(opened.journal->Axis(name));
+    axes.back().alarms = std::move(content.alarms);
   }
   state->tags = TagsJson(axes, opened.machines.empty() ? Machine() : opened.machines.front()->described(),
                          opened.journal ? &*opened.journal : nullptr, WallSeconds());

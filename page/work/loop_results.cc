@@ -47,23 +47,20 @@ nlohmann::json ResponseJson(const LoopLog& measured, const Result<LoopState>& be
 
 Result<nlohmann::json> WorkOutLoop(WorkRequest::Kind kind, const WorkInput& input) {
   if (kind == WorkRequest::Kind::kExplain) {
-    auto changed = ExplainLoopLog(input.Newest(), input.hold_out, input.machine_file);
-    if (!changed) return tl::unexpected(changed.error());
-    changed->since = FileName(changed->since);
-    changed->after.name = FileName(changed->after.name);
-    nlohmann::json json = LoopChangeJson(*changed);
-    json["text"] = LoopChangeText(*changed);
+    auto changed = TRY(ExplainLoopLog(input.Newest(), input.hold_out, input.machine_file));
+    changed.since = FileName(changed.since);
+    changed.after.name = FileName(changed.after.name);
+    nlohmann::json json = LoopChangeJson(changed);
+    json["text"] = LoopChangeText(changed);
     return json;
   }
-  const auto machine = LoadMachine(input.machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  auto measured = MeasureLoopLog(input.Newest(), *machine);
-  if (!measured) return tl::unexpected(measured.error());
-  measured->name = FileName(measured->name);
-  nlohmann::json json = LoopJson(*measured, *machine);
+  const auto machine = TRY(LoadMachine(input.machine_file));
+  auto measured = TRY(MeasureLoopLog(input.Newest(), machine));
+  measured.name = FileName(measured.name);
+  nlohmann::json json = LoopJson(measured, machine);
   json.erase("points");
-  json["response"] = ResponseJson(*measured, LoopStateBefore(input.hold_out, *machine));
-  json["text"] = LoopText(*measured, *machine);
+  json["response"] = ResponseJson(measured, LoopStateBefore(input.hold_out, machine));
+  json["text"] = LoopText(measured, machine);
   return json;
 }
 

@@ -15,12 +15,12 @@ std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or
 }  // namespace
 
 Status MachineCopy::Take(const std::string& name, const std::string& text, const std::string& target) {
-  if (const auto machine = ParseMachine(text, name); !machine) return tl::unexpected(machine.error());
+  TRY(ParseMachine(text, name));
   const std::filesystem::path folder = folder_ / std::to_string(++taken_);
   std::filesystem::create_directory(folder);
   std::string plain = PlainFileName(name);
   if (!plain.ends_with(".toml")) plain += ".toml";
-  if (const Status written = WriteTextFile((folder / plain).string(), text); !written) return written;
+  TRY(WriteTextFile((folder / plain).string(), text));
   file_ = (folder / plain).string();
   target_ = target;
   saved_text_ = target.empty() ? "" : text;
@@ -40,10 +40,10 @@ Status MachineCopy::Write(const std::string& text) { return WriteTextFile(file_,
 Result<std::string> MachineCopy::Save(const std::string& name) {
   const std::string text = Text();
   if (target_.empty()) {
-    if (const Status saved = SaveAs(name, text); !saved) return tl::unexpected(saved.error());
+    TRY(SaveAs(name, text));
     target_ = PlainFileName(name);
   } else if (text != saved_text_) {
-    if (const Status saved = SaveBack(); !saved) return tl::unexpected(saved.error());
+    TRY(SaveBack());
   }
   saved_text_ = text;
   return std::filesystem::absolute(target_).string();
@@ -68,9 +68,8 @@ Status MachineCopy::SaveBack() const {
         Tell("{} was changed by somebody else meanwhile; download the machine file instead",
              "{} wurde inzwischen von jemand anderem geändert; stattdessen die Maschinendatei herunterladen",
              target_));
-  const auto before = LoadMachine(target_);
-  if (!before) return tl::unexpected(before.error());
-  return PutVersion(target_, before->model_version, file_);
+  const auto before = TRY(LoadMachine(target_));
+  return PutVersion(target_, before.model_version, file_);
 }
 
 }  // namespace hydroscope

@@ -38,33 +38,30 @@ void Collect(const Machine& machine, std::map<int, nlohmann::json>& versions) {
 }  // namespace
 
 Result<nlohmann::json> VersionsJson(const std::string& machine_file) {
-  const auto current = LoadMachine(machine_file);
-  if (!current) return tl::unexpected(current.error());
+  const auto current = TRY(LoadMachine(machine_file));
   std::map<int, nlohmann::json> versions;
   for (const KeptVersion& kept : KeptVersions(machine_file))
     if (const auto machine = LoadMachine(kept.path)) Collect(*machine, versions);
-  Collect(*current, versions);
+  Collect(current, versions);
   nlohmann::json out = nlohmann::json::array();
   for (auto& [number, version] : versions) {
-    version["current"] = number == current->model_version;
+    version["current"] = number == current.model_version;
     out.push_back(version);
   }
   return out;
 }
 
 Status RestoreKept(const std::string& machine_file, int version) {
-  const auto current = LoadMachine(machine_file);
-  if (!current) return tl::unexpected(current.error());
-  if (current->model_version == version) return {};
+  const auto current = TRY(LoadMachine(machine_file));
+  if (current.model_version == version) return {};
   for (const KeptVersion& kept : KeptVersions(machine_file))
-    if (kept.version == version) return PutVersion(machine_file, current->model_version, kept.path);
+    if (kept.version == version) return PutVersion(machine_file, current.model_version, kept.path);
   return BadInput(
       Tell("version {} of the model is not kept", "Version {} des Modells ist nicht aufbewahrt", version));
 }
 
 Status PutVersion(const std::string& machine_file, int version, const std::string& next) {
-  const auto kept = RestoreVersion(machine_file, version, {0, next});
-  if (!kept) return tl::unexpected(kept.error());
+  const auto kept = TRY(RestoreVersion(machine_file, version, {0, next}));
   return {};
 }
 

@@ -7,15 +7,13 @@
 namespace hydroscope {
 
 Result<MeasuredEffect> ParseMeasuredEffect(const std::string& body) {
-  const auto json = ParseObject(body);
-  if (!json) return tl::unexpected(json.error());
-  const auto effect = TextOf(*json, "effect");
-  if (!effect) return tl::unexpected(effect.error());
-  const auto size = NumberOf(*json, "size"), std = NumberOf(*json, "std");
+  const auto json = TRY(ParseObject(body));
+  const auto effect = TRY(TextOf(json, "effect"));
+  const auto size = NumberOf(json, "size"), std = NumberOf(json, "std");
   for (const auto* number : {&size, &std})
     if (!*number) return tl::unexpected(number->error());
-  if (effect->empty()) return BadInput("effect: expected the id of an effect");
-  MeasuredEffect measured{*effect, std::nullopt};
+  if (effect.empty()) return BadInput("effect: expected the id of an effect");
+  MeasuredEffect measured{effect, std::nullopt};
   if (!*size) return measured;
   if (!*std || !(**std > 0))
     return BadInput(Told("the standard error of a measurement is above 0",

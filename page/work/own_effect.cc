@@ -37,9 +37,7 @@ Result<OwnEffect> ParseOwnEffect(const std::string& body) {
   OwnEffect effect;
   for (const auto& [key, text] :
        {std::pair("id", &effect.id), {"expression", &effect.expression}, {"unit", &effect.unit}}) {
-    auto value = ParseText(body, key);
-    if (!value) return tl::unexpected(value.error());
-    *text = std::move(*value);
+    *text = TRY(ParseText(body, key));
   }
   const nlohmann::json json = nlohmann::json::parse(body, nullptr, false);
   for (const auto& [key, flag] : {std::pair("not_negative", &effect.not_negative), {"keep", &effect.keep}}) {

@@ -51,21 +51,20 @@ nlohmann::json RegionErrors::ModelledWith(const std::string& effect, std::int64_
 
 Result<nlohmann::json> RegionErrors::In(const Region& region) const {
   if (residuals_.strokes.empty()) return nlohmann::json();
-  const auto errors = ErrorsIn(region, residuals_, strokes_, effects_);
-  if (!errors) return tl::unexpected(errors.error());
+  const auto errors = TRY(ErrorsIn(region, residuals_, strokes_, effects_));
   const auto json_of = [&](const RegionSums& sums) -> nlohmann::json {
     return {{"windows", sums.windows},
             {"rms", sums.Rms() * unit_.factor},
             {"noise", sums.NoiseRms() * unit_.factor}};
   };
   nlohmann::json strokes = nlohmann::json::array(), effects = nlohmann::json::array();
-  for (const auto& [stroke, sums] : errors->by_stroke) {
+  for (const auto& [stroke, sums] : errors.by_stroke) {
     strokes.push_back(json_of(sums));
     strokes.back()["stroke"] = stroke;
   }
-  for (const auto& [effect, rms] : errors->with_effect)
+  for (const auto& [effect, rms] : errors.with_effect)
     effects.push_back({{"effect", effect}, {"rms", rms * unit_.factor}});
-  nlohmann::json out = json_of(errors->all);
+  nlohmann::json out = json_of(errors.all);
   out.update({{"unit", unit_.name}, {"strokes", std::move(strokes)}, {"effects", std::move(effects)}});
   return out;
 }

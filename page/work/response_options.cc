@@ -11,13 +11,12 @@ namespace {
 
 /// Puts the number under `key`, if there is one, into `value`. Error: it lies outside.
 Status Take(const nlohmann::json& object, const char* key, double low, double high, double& value) {
-  const auto number = NumberOf(object, key);
-  if (!number) return tl::unexpected(number.error());
-  if (!*number) return {};
-  if (**number < low || **number > high)
+  const auto number = TRY(NumberOf(object, key));
+  if (!number) return {};
+  if (*number < low || *number > high)
     return BadInput(Tell("{}: found {:g}, expected {:g} to {:g}", "{}: gefunden {:g}, erwartet {:g} bis {:g}",
-                         key, **number, low, high));
-  value = **number;
+                         key, *number, low, high));
+  value = *number;
   return {};
 }
 
@@ -26,14 +25,13 @@ Status Take(const nlohmann::json& object, const char* key, double low, double hi
 Result<FrequencyResponseOptions> ParseResponseOptions(const nlohmann::json& object) {
   constexpr double kMost = 1e5, kLongestSegment = 1 << 24;
   FrequencyResponseOptions options;
-  const auto method = TextOf(object, "method");
-  if (!method) return tl::unexpected(method.error());
-  if (*method == "sine")
+  const auto method = TRY(TextOf(object, "method"));
+  if (method == "sine")
     options.method = FrequencyResponseMethod::kSine;
-  else if (*method == "welch")
+  else if (method == "welch")
     options.method = FrequencyResponseMethod::kWelch;
-  else if (!method->empty() && *method != "auto")
-    return BadInput("method: found '{}', expected one of auto, sine, welch", *method);
+  else if (!method.empty() && method != "auto")
+    return BadInput("method: found '{}', expected one of auto, sine, welch", method);
   double segment = 0;
   for (const Status& taken :
        {Take(object, "segment", 0, kLongestSegment, segment),

@@ -12,9 +12,8 @@ namespace {
 constexpr double kRowsAround = 0.5;  ///< s before and behind a stroke, in which its gate opens and closes
 
 Result<std::int64_t> MachineNamed(Database& database, const std::string& machine) {
-  const auto names = database.MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  if (std::find(names->begin(), names->end(), machine) == names->end())
+  const auto names = TRY(database.MachineNames());
+  if (std::find(names.begin(), names.end(), machine) == names.end())
     return BadInput(
         Tell("the database has no machine '{}'", "die Datenbank hat keine Maschine „{}“", machine));
   return database.MachineId(machine);
@@ -27,10 +26,9 @@ Result<KeptStrokes::Piece> KeptOfRun(const Database& database, std::int64_t id, 
                      end = std::min(stretch.last + 1, run.first_sequence + run.strokes);
   KeptStrokes::Piece piece{begin, begin - 1, ""};
   if (begin >= end) return piece;
-  const auto summaries = database.SummariesOf(id, begin, end, end - begin);
-  if (!summaries) return tl::unexpected(summaries.error());
+  const auto summaries = TRY(database.SummariesOf(id, begin, end, end - begin));
   double from = 0, to = 0;
-  for (const StrokeSummary& stroke : *summaries) {
+  for (const StrokeSummary& stroke : summaries) {
     if (stroke.begin < extent.first || stroke.end > extent.last) continue;
     if (piece.last < piece.first) {
       piece.first = stroke.index;
@@ -46,17 +44,14 @@ Result<KeptStrokes::Piece> KeptOfRun(const Database& database, std::int64_t id, 
 }  // namespace
 
 Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch& asked) {
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto id = MachineNamed(*database, asked.machine);
-  if (!id) return tl::unexpected(id.error());
-  const auto end = database->EndSequence(*id);
-  if (!end) return tl::unexpected(end.error());
+  auto database = TRY(Database::OpenReadOnly(path));
+  const auto id = TRY(MachineNamed(database, asked.machine));
+  const auto end = TRY(database.EndSequence(id));
   StrokeStretch stretch = asked;
-  stretch.last = std::min(stretch.last, *end - 1);
+  stretch.last = std::min(stretch.last, end - 1);
   stretch.first = std::max(stretch.first, stretch.last - KeptStrokes::kMost + 1);
-  const auto runs = database->Runs(*id);
-  const auto extents = database->RawExtents(*id);
+  const auto runs = database.Runs(id);
+  const auto extents = database.RawExtents(id);
   if (!runs) return tl::unexpected(runs.error());
   if (!extents) return tl::unexpected(extents.error());
   KeptStrokes kept;
@@ -64,11 +59,10 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
     const auto extent =
         std::find_if(extents->begin(), extents->end(), [&](const RawExtent& e) { return e.run == run.id; });
     if (extent == extents->end()) continue;
-    auto piece = KeptOfRun(*database, *id, stretch, run, *extent);
-    if (!piece) return tl::unexpected(piece.error());
-    if (piece->last < piece->first) continue;
-    piece->log = path + "#" + asked.machine + piece->log;
-    kept.pieces.push_back(std::move(*piece));
+    auto piece = TRY(KeptOfRun(database, id, stretch, run, *extent));
+    if (piece.last < piece.first) continue;
+    piece.log = path + "#" + asked.machine + piece.log;
+    kept.pieces.push_back(std::move(piece));
   }
   if (kept.pieces.empty())
     return BadInput(Tell(
@@ -77,22 +71,17 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
         "die Rohsignale der Hübe {} bis {} sind nicht aufbewahrt: ein Dienst behält die der letzten Tage "
         "(--raw-days, --raw-gb), eine Wiedergabe keine",
         asked.first, asked.last));
-  const auto promoted = database->PromotedModel(*id);
-  if (!promoted) return tl::unexpected(promoted.error());
-  const auto model = *promoted ? Result<ModelVersion>(**promoted)
-                               : database->GetModelVersion(*id, runs->back().model_version);
-  if (!model) return tl::unexpected(model.error());
-  kept.definition = model->definition;
+  const auto promoted = TRY(database.PromotedModel(id));
+  const auto model = TRY(promoted ? Result<ModelVersion>(*promoted)
+                                  : database.GetModelVersion(id, runs->back().model_version));
+  kept.definition = model.definition;
   return kept;
 }
 
 Status PromoteWorkedOn(const std::string& path, Promotion promotion) {
-  auto database = Database::Open(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto id = MachineNamed(*database, promotion.machine);
-  if (!id) return tl::unexpected(id.error());
-  promotion.id = *id;
-  const auto promoted = Promote(*database, path, promotion);
+  auto database = TRY(Database::Open(path));
+  promotion.id = TRY(MachineNamed(database, promotion.machine));
+  const auto promoted = Promote(database, path, promotion);
   return promoted ? Status() : tl::unexpected(promoted.error());
 }
 

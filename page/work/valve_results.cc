@@ -65,30 +65,28 @@ Result<ValveLog> MeasureNamed(const std::string& log, const Machine& machine,
 }  // namespace
 
 Result<nlohmann::json> WorkOutValve(const WorkInput& input, const FrequencyResponseOptions& options) {
-  const auto machine = LoadMachine(input.machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto measured = MeasureNamed(input.Newest(), *machine, options);
-  if (!measured) return tl::unexpected(measured.error());
-  const std::vector<double> frequencies = CurveFrequencies(measured->Used());
-  nlohmann::json json = MeasuredJson(*measured, *machine);
-  json["text"] = ValveText(*measured, *machine);
+  const auto machine = TRY(LoadMachine(input.machine_file));
+  const auto measured = TRY(MeasureNamed(input.Newest(), machine, options));
+  const std::vector<double> frequencies = CurveFrequencies(measured.Used());
+  nlohmann::json json = MeasuredJson(measured, machine);
+  json["text"] = ValveText(measured, machine);
   json["options"] = {{"method", MethodName(options.method)},
                      {"segment", options.segment_length},
                      {"min_coherence", options.min_coherence},
                      {"from", options.lowest},
                      {"to", options.highest},
                      {"settle", options.settle_time}};
-  json["curve"] = CurveJson(measured->response, frequencies);
+  json["curve"] = CurveJson(measured.response, frequencies);
   json["before"] = nullptr;
   if (input.hold_out.empty()) return json;
-  const auto before = MeasureNamed(input.hold_out, *machine, options);
+  const auto before = MeasureNamed(input.hold_out, machine, options);
   if (!before) {
     const Told why = ToldOf(before.error());
     json["warnings"].push_back(why.english);
     json["german"]["warnings"].push_back(why.german);
     return json;
   }
-  json["before"] = MeasuredJson(*before, *machine);
+  json["before"] = MeasuredJson(*before, machine);
   json["before"].erase("points");
   json["before"]["curve"] = CurveJson(before->response, frequencies);
   return json;

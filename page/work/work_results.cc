@@ -38,20 +38,17 @@ std::vector<std::string> FittedLogs(const WorkInput& input) {
 Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& input,
                                      StrokeFindings& strokes) {
   if (kind == WorkRequest::Kind::kExplain) {
-    const auto explained = ExplainStatesLogs(FittedLogs(input), input.machine_file);
-    if (!explained) return tl::unexpected(explained.error());
-    return WithText(ExplainJson(*explained), ExplainText(*explained));
+    const auto explained = TRY(ExplainStatesLogs(FittedLogs(input), input.machine_file));
+    return WithText(ExplainJson(explained), ExplainText(explained));
   }
   if (kind == WorkRequest::Kind::kFit) {
-    const auto fit = FitStatesLogs(input.logs, input.machine_file, input.hold_out);
-    if (!fit) return tl::unexpected(fit.error());
-    return WithText(FitJson(*fit), FitText(*fit));
+    const auto fit = TRY(FitStatesLogs(input.logs, input.machine_file, input.hold_out));
+    return WithText(FitJson(fit), FitText(fit));
   }
-  const auto fit = CompareStatesLogs(input.logs, input.machine_file, input.hold_out);
-  if (!fit) return tl::unexpected(fit.error());
-  strokes.pictures = EpisodePicturesJson(*fit);
-  strokes.errors.Take(*fit);
-  return WithText(CompareJson(*fit), CompareText(*fit));
+  const auto fit = TRY(CompareStatesLogs(input.logs, input.machine_file, input.hold_out));
+  strokes.pictures = EpisodePicturesJson(fit);
+  strokes.errors.Take(fit);
+  return WithText(CompareJson(fit), CompareText(fit));
 }
 
 }  // namespace
@@ -65,32 +62,27 @@ std::string WorkInput::Newest() const {
 
 Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, StrokeFindings& strokes) {
   if (kind == WorkRequest::Kind::kCheck) {
-    const auto check = CheckLog(input.logs.front(), input.machine_file);
-    if (!check) return tl::unexpected(check.error());
-    return WithText(CheckJson(*check),
-                    CheckText(*check, std::filesystem::path(input.machine_file).filename()));
+    const auto check = TRY(CheckLog(input.logs.front(), input.machine_file));
+    return WithText(CheckJson(check), CheckText(check, std::filesystem::path(input.machine_file).filename()));
   }
   if (IsClosedLoop(input.machine_file)) return WorkOutLoop(kind, input);
   if (HasStates(input.machine_file)) return WorkOutStates(kind, input, strokes);
   if (kind == WorkRequest::Kind::kFit) {
-    const auto fit = FitLogs(input.logs, input.machine_file, input.hold_out);
-    if (!fit) return tl::unexpected(fit.error());
-    return WithText(FitJson(*fit), FitText(*fit));
+    const auto fit = TRY(FitLogs(input.logs, input.machine_file, input.hold_out));
+    return WithText(FitJson(fit), FitText(fit));
   }
   if (kind == WorkRequest::Kind::kExplain) {
     ExplainOptions options;
     options.measured = input.measured;
-    const auto explained = ExplainLogs(FittedLogs(input), input.machine_file, options);
-    if (!explained) return tl::unexpected(explained.error());
-    strokes.errors.Take(*explained);
-    return WithText(ExplainJson(*explained), ExplainText(*explained));
+    const auto explained = TRY(ExplainLogs(FittedLogs(input), input.machine_file, options));
+    strokes.errors.Take(explained);
+    return WithText(ExplainJson(explained), ExplainText(explained));
   }
-  const auto compared = CompareLogs(input.logs, input.machine_file, input.hold_out);
-  if (!compared) return tl::unexpected(compared.error());
-  strokes.pictures = StrokePicturesJson(*compared);
-  strokes.errors.Take(*compared);
-  strokes.term = TermStroke::Of(*compared, FittedLogs(input));
-  return WithText(CompareJson(*compared), CompareText(*compared));
+  const auto compared = TRY(CompareLogs(input.logs, input.machine_file, input.hold_out));
+  strokes.pictures = StrokePicturesJson(compared);
+  strokes.errors.Take(compared);
+  strokes.term = TermStroke::Of(compared, FittedLogs(input));
+  return WithText(CompareJson(compared), CompareText(compared));
 }
 
 Result<nlohmann::json> TryChange(const std::string& effect, MakeNext make_next, const WorkInput& input,
@@ -103,16 +95,15 @@ Result<nlohmann::json> TryChange(const std::string& effect, MakeNext make_next, 
   change.out = out;
   change.logs = input.logs;
   change.hold_out = input.hold_out;
-  const auto changed = ChangeModel(change, make_next);
-  if (!changed) return tl::unexpected(changed.error());
-  const nlohmann::json versions = ModelHistoryJson(changed->machine)["versions"];
+  const auto changed = TRY(ChangeModel(change, make_next));
+  const nlohmann::json versions = ModelHistoryJson(changed.machine)["versions"];
   const std::size_t count = versions.size();
   return nlohmann::json{
       {"effect", effect},
-      {"error", changed->error},
-      {"held_out", changed->held_out},
-      {"warnings", InEnglish(changed->warnings)},
-      {"german", {{"warnings", InGerman(changed->warnings)}}},
+      {"error", changed.error},
+      {"held_out", changed.held_out},
+      {"warnings", InEnglish(changed.warnings)},
+      {"german", {{"warnings", InGerman(changed.warnings)}}},
       {"parameters_before", count > 1 ? versions[count - 2]["parameters"] : nlohmann::json()},
       {"parameters_after", count > 0 ? versions[count - 1]["parameters"] : nlohmann::json()}};
 }

@@ -45,17 +45,15 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
                                                          const std::string& machine_file,
                                                          std::vector<ExampleLog> examples, EventFeed& feed,
                                                          int niceness) {
-  auto folder = ScratchFolder::Make();
-  if (!folder) return tl::unexpected(folder.error());
+  auto folder = TRY(ScratchFolder::Make());
   std::unique_ptr<WorkSession> session(
-      new WorkSession(std::move(examples), feed, std::move(*folder), niceness));
+      new WorkSession(std::move(examples), feed, std::move(folder), niceness));
   std::filesystem::create_directory(session->folder_->path() + "/machine");
   for (const std::string& log : logs) session->logs_.push_back({log, log});
   if (machine_file.empty()) return session;
-  if (const auto machine = LoadMachine(machine_file); !machine) return tl::unexpected(machine.error());
-  const Status used = session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
-                                             ReadTextFile(machine_file).value_or(""), machine_file);
-  if (!used) return tl::unexpected(used.error());
+  TRY(LoadMachine(machine_file));
+  TRY(session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
+                             ReadTextFile(machine_file).value_or(""), machine_file));
   for (const KeptVersion& kept : KeptVersions(machine_file))  // so that earlier versions can be gone back to
     std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_.file()).parent_path() /
                                               std::filesystem::path(kept.path).filename());
@@ -87,12 +85,11 @@ std::string WorkSession::WithoutFolder(std::string text) const {
 }
 
 Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
-  const auto upload = uploads_.Keep(file, name);
-  if (!upload) return tl::unexpected(upload.error());
-  const std::string& path = **upload;
+  const auto upload = TRY(uploads_.Keep(file, name));
+  const std::string& path = *upload;
   if (const auto head = ReadLogHead(path); !head) return tl::unexpected(WithoutFolder(head.error()));
   const std::lock_guard lock(mutex_);
-  logs_.push_back({PlainFileName(name), path, *upload});
+  logs_.push_back({PlainFileName(name), path, upload});
   columns_.reset();
   ForgetResults();
   Changed();
@@ -101,7 +98,7 @@ Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
 
 Status WorkSession::TakeMachine(const std::string& name, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (const Status taken = machine_.Take(name, text, ""); !taken) return taken;
+  TRY(machine_.Take(name, text, ""));
   ForgetResults();
   Changed();
   return {};
@@ -112,7 +109,7 @@ Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
     if (example.id != id) continue;
     const std::string file = UploadFile();
     return jobs_.Add("example", id, [this, &example, file]() -> Status {
-      if (const Status written = example.write(file); !written) return written;
+      TRY(example.write(file));
       StartOver();
       return TakeLog(example.id + ".csv", file);
     });
@@ -139,16 +136,15 @@ Status WorkSession::HoldOut(const std::string& name) {
 Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
   if (database_.empty())
     return BadInput(Told("no database is watched here", "hier wird keine Datenbank beobachtet"));
-  const auto kept = FindKeptStrokes(database_, stretch);
-  if (!kept) return tl::unexpected(kept.error());
+  const auto kept = TRY(FindKeptStrokes(database_, stretch));
   StartOver();
   const std::string axis = stretch.machine.substr(stretch.machine.rfind('/') + 1);
   const std::lock_guard lock(mutex_);
-  if (const Status taken = machine_.Take(axis + ".toml", kept->definition, ""); !taken) return taken;
-  for (const KeptStrokes::Piece& piece : kept->pieces)
+  TRY(machine_.Take(axis + ".toml", kept.definition, ""));
+  for (const KeptStrokes::Piece& piece : kept.pieces)
     logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
-  machine_.MarkSaved(kept->definition);  // the database has it
-  strokes_of_ = {stretch.machine, kept->pieces.front().first, kept->pieces.back().last};
+  machine_.MarkSaved(kept.definition);  // the database has it
+  strokes_of_ = {stretch.machine, kept.pieces.front().first, kept.pieces.back().last};
   ForgetResults();
   Changed();
   return {};
@@ -164,7 +160,7 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
              "diese Hübe sind aus keiner Datenbank: die eines Alarms oder eines Verlaufs nehmen"));
   const Promotion promotion{strokes_of_.machine, 0, machine_.Text(), 0, user, comment, WallSeconds()};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
-    if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
+    TRY(PromoteWorkedOn(database_, promotion));
     const std::lock_guard lock(mutex_);
     machine_.MarkSaved(promotion.text);  // what was added since is not
     Changed();
@@ -234,9 +230,8 @@ Result<WorkSession::Subject> WorkSession::TakeSubject() const {
   for (const LogFile& log : subject.logs) subject.input.logs.push_back(log.path);
   if (subject.logs.empty()) return BadInput(kNoLog);
   if (subject.input.machine_file.empty()) return BadInput(kNoMachineFile);
-  const auto machine = LoadMachine(subject.input.machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  subject.version = machine->model_version;
+  const auto machine = TRY(LoadMachine(subject.input.machine_file));
+  subject.version = machine.model_version;
   return subject;
 }
 
@@ -252,40 +247,36 @@ Result<std::int64_t> WorkSession::Start(const WorkRequest& request) {
 
 Status WorkSession::Work(const WorkRequest& request) {
   if (request.kind == Kind::kPicture) return DrawLog(request.log);
-  const auto subject = TakeSubject();
-  if (!subject) return tl::unexpected(subject.error());
+  const auto subject = TRY(TakeSubject());
   if (request.kind == Kind::kAdd || request.kind == Kind::kRemove || request.kind == Kind::kRestore)
-    return ChangeVersion(request, *subject);
+    return ChangeVersion(request, subject);
   if (request.kind == Kind::kPreview) {
-    auto preview = TryChange(request.effect, WithEffect, subject->input, folder_->path() + "/preview.toml");
-    if (!preview) return tl::unexpected(preview.error());
-    Store(*subject, KeyOf("preview", request.effect), std::move(*preview));
+    auto preview =
+        TRY(TryChange(request.effect, WithEffect, subject.input, folder_->path() + "/preview.toml"));
+    Store(subject, KeyOf("preview", request.effect), std::move(preview));
     return {};
   }
   if (request.kind == Kind::kFrf) {
-    auto measured = WorkOutValve(subject->input, request.response);
-    if (!measured) return tl::unexpected(measured.error());
-    Store(*subject, WorkName(request.kind), std::move(*measured));
+    auto measured = TRY(WorkOutValve(subject.input, request.response));
+    Store(subject, WorkName(request.kind), std::move(measured));
     return {};
   }
   StrokeFindings strokes;
   {
     const std::lock_guard lock(mutex_);
-    strokes = strokes_[subject->version];
+    strokes = strokes_[subject.version];
   }
-  auto result = WorkOut(request.kind, subject->input, strokes);
-  if (!result) return tl::unexpected(result.error());
+  auto result = TRY(WorkOut(request.kind, subject.input, strokes));
   {
     const std::lock_guard lock(mutex_);
-    if (subject->generation == generation_) strokes_[subject->version] = std::move(strokes);
+    if (subject.generation == generation_) strokes_[subject.version] = std::move(strokes);
   }
-  Store(*subject, WorkName(request.kind), std::move(*result));
+  Store(subject, WorkName(request.kind), std::move(result));
   return {};
 }
 
 Status WorkSession::DrawLog(const std::string& name) {
-  const auto machine = MachineOrDraft();
-  if (!machine) return tl::unexpected(machine.error());
+  const auto machine = TRY(MachineOrDraft());
   LogFile log;
   int generation = 0;
   {
@@ -295,10 +286,9 @@ Status WorkSession::DrawLog(const std::string& name) {
     generation = generation_;
   }
   if (log.path.empty()) return BadInput(Tell("there is no log {}", "es gibt kein Log {}", name));
-  auto picture = LogPictureJson(log.path, *machine);
-  if (!picture) return tl::unexpected(picture.error());
+  auto picture = TRY(LogPictureJson(log.path, machine));
   const std::lock_guard lock(mutex_);
-  if (generation == generation_) pictures_[name] = std::move(*picture);
+  if (generation == generation_) pictures_[name] = std::move(picture);
   return {};
 }
 
@@ -307,17 +297,14 @@ Status WorkSession::ChangeVersion(const WorkRequest& request, const Subject& sub
   const std::string next = folder_->path() + "/next.toml";
   if (request.kind != Kind::kRestore) {
     const auto change = request.kind == Kind::kAdd ? WithEffect : WithoutEffect;
-    const auto changed = TryChange(request.effect, change, subject.input, next);
-    if (!changed) return tl::unexpected(changed.error());
+    const auto changed = TRY(TryChange(request.effect, change, subject.input, next));
   }
   {
     const std::lock_guard lock(mutex_);
     if (subject.generation != generation_)
       return BadInput(Told("other logs were chosen meanwhile", "inzwischen wurden andere Logs gewählt"));
-    const Status done = request.kind == Kind::kRestore
-                            ? RestoreKept(subject.input.machine_file, request.version)
-                            : PutVersion(subject.input.machine_file, subject.version, next);
-    if (!done) return done;
+    TRY(request.kind == Kind::kRestore ? RestoreKept(subject.input.machine_file, request.version)
+                                       : PutVersion(subject.input.machine_file, subject.version, next));
   }
   Changed();
   return {};
@@ -444,15 +431,14 @@ nlohmann::json WorkSession::Effects() const {
 Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
   if (machine_.empty()) return BadInput(kNoMachineFile);
-  const auto text = WithOwnEffect(machine_.Text(), effect);
-  if (!text) return tl::unexpected(text.error());
+  const auto text = TRY(WithOwnEffect(machine_.Text(), effect));
   if (!effect.keep) {
-    const auto tried = ParseMachine(*text, "machine file");
+    const auto tried = ParseMachine(text, "machine file");
     const auto strokes = tried ? strokes_.find(tried->model_version) : strokes_.end();
     if (strokes == strokes_.end() || strokes->second.term == nullptr) return nlohmann::json();
     return strokes->second.term->Course(*tried, tried->user_effects.back());
   }
-  if (const Status written = machine_.Write(*text); !written) return tl::unexpected(written.error());
+  TRY(machine_.Write(text));
   ++generation_;  // what is being worked out knows another library
   const auto machine = LoadMachine(machine_.file());
   if (machine) results_[machine->model_version].erase("explain");
@@ -463,9 +449,8 @@ Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
 Status WorkSession::TakeMeasured(const MeasuredEffect& measured) {
   const std::lock_guard lock(mutex_);
   if (machine_.empty()) return BadInput(kNoMachineFile);
-  const auto machine = LoadMachine(machine_.file());
-  if (!machine) return tl::unexpected(machine.error());
-  if (const Status known = CheckInLibrary(measured, *machine); !known) return known;
+  const auto machine = TRY(LoadMachine(machine_.file()));
+  TRY(CheckInLibrary(measured, machine));
   if (measured.size)
     measured_[measured.effect] = *measured.size;
   else

@@ -61,24 +61,21 @@ hydroscope_wire::Layout LayoutOf(const SamplePublisher::Options& options) {
 }  // namespace
 
 Result<std::unique_ptr<SamplePublisher>> SamplePublisher::Create(const Options& options) {
-  auto participant = DdsParticipant::Create(options.network, options.name);
-  if (!participant) return tl::unexpected(participant.error());
+  auto participant = TRY(DdsParticipant::Create(options.network, options.name));
   const auto layouts =
-      (*participant)
-          ->MakeTopic(LayoutTopic(options.topic), TypeSupport(new hydroscope_wire::LayoutPubSubType()));
-  if (!layouts) return tl::unexpected(layouts.error());
+      TRY((participant)
+              ->MakeTopic(LayoutTopic(options.topic), TypeSupport(new hydroscope_wire::LayoutPubSubType())));
   const auto samples =
-      (*participant)->MakeTopic(options.topic, TypeSupport(new hydroscope_wire::BatchPubSubType()));
-  if (!samples) return tl::unexpected(samples.error());
-  Publisher* publisher = (*participant)->get()->create_publisher(PUBLISHER_QOS_DEFAULT);
-  DataWriter* layout_writer = publisher ? publisher->create_datawriter(*layouts, LayoutWriterQos()) : nullptr;
-  DataWriter* sample_writer = publisher ? publisher->create_datawriter(*samples, SampleWriterQos()) : nullptr;
+      TRY(participant->MakeTopic(options.topic, TypeSupport(new hydroscope_wire::BatchPubSubType())));
+  Publisher* publisher = participant->get()->create_publisher(PUBLISHER_QOS_DEFAULT);
+  DataWriter* layout_writer = publisher ? publisher->create_datawriter(layouts, LayoutWriterQos()) : nullptr;
+  DataWriter* sample_writer = publisher ? publisher->create_datawriter(samples, SampleWriterQos()) : nullptr;
   if (layout_writer == nullptr || sample_writer == nullptr)
     return InternalError("DDS gives no writer for topic {}", options.topic);
   hydroscope_wire::Layout layout = LayoutOf(options);
   if (!layout_writer->write(&layout))
     return InternalError("DDS does not take the layout of {} channels", options.channels.size());
-  return std::make_unique<Publication>(std::move(*participant), sample_writer, options.session);
+  return std::make_unique<Publication>(std::move(participant), sample_writer, options.session);
 }
 
 }  // namespace hydroscope

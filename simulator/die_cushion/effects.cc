@@ -125,9 +125,7 @@ Result<PressEffectSizes> ResolveEffects(const std::vector<EffectSetting>& settin
       return UsageError("effect {}: size {} is not a number ({} expected)", setting.id, setting.size,
                         slot->info.unit);
     sizes.*(slot->size) += setting.size;
-    for (const auto& [name, value] : setting.extra)
-      if (const Status status = SetExtra(*slot, name, value, sizes); !status)
-        return tl::unexpected(status.error());
+    for (const auto& [name, value] : setting.extra) TRY(SetExtra(*slot, name, value, sizes));
   }
   for (const double delay : {sizes.spool_delay, sizes.pressure_delay, sizes.position_delay})
     if (delay < 0 || delay > 1)

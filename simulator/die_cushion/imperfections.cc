@@ -55,18 +55,16 @@ Status TakeChannel(const ImperfectionInfo& info, const std::string& given, Imper
 Result<std::vector<Imperfection>> ResolveImperfections(const std::vector<ImperfectionSetting>& settings) {
   std::vector<Imperfection> list;
   for (const ImperfectionSetting& setting : settings) {
-    const auto info = FindKind(setting.kind);
-    if (!info) return tl::unexpected(info.error());
+    const auto info = TRY(FindKind(setting.kind));
     Imperfection one;
-    one.kind = (*info)->kind;
+    one.kind = info->kind;
     one.size = setting.size;
-    for (const EffectExtra& extra : (*info)->extras) one.extras.push_back(extra.value);
-    if (!(setting.size >= (*info)->low && setting.size <= (*info)->high))
+    for (const EffectExtra& extra : info->extras) one.extras.push_back(extra.value);
+    if (!(setting.size >= info->low && setting.size <= info->high))
       return UsageError("imperfection {} is {} {}; it must lie between {} and {} {}", setting.kind,
-                        setting.size, (*info)->unit, (*info)->low, (*info)->high, (*info)->unit);
-    if (const Status s = TakeChannel(**info, setting.channel, one); !s) return tl::unexpected(s.error());
-    for (const auto& [name, value] : setting.extra)
-      if (const Status s = TakeExtra(**info, name, value, one); !s) return tl::unexpected(s.error());
+                        setting.size, info->unit, info->low, info->high, info->unit);
+    TRY(TakeChannel(*info, setting.channel, one));
+    for (const auto& [name, value] : setting.extra) TRY(TakeExtra(*info, name, value, one));
     list.push_back(std::move(one));
   }
   return list;

@@ -32,7 +32,7 @@ Result<std::unique_ptr<LivePress>> LivePress::Create(const Options& options) {
   if (options.work < 0 || options.pause < 0 || (options.work > 0) != (options.pause > 0))
     return UsageError("work for {} s, then pause for {} s: both must be above 0, or none given", options.work,
                       options.pause);
-  if (const Status valid = Validate(options.press); !valid) return tl::unexpected(valid.error());
+  TRY(Validate(options.press));
   return std::unique_ptr<LivePress>(new LivePress(options));
 }
 
@@ -143,7 +143,7 @@ Status LivePress::ChangeEffect(const EffectSetting& effect, int axis, double ram
     std::erase_if(a.ramps, [&](const Ramp& r) { return r.id == effect.id; });
     if (ramp == 0) continue;
     a.ramps.push_back({effect.id, from, effect.size, now(), ramp});
-    if (const Status status = Ramps(a); !status) return status;
+    TRY(Ramps(a));
   }
   return {};
 }
@@ -153,7 +153,7 @@ Status LivePress::AddFault(SensorFault fault, int axis) {
   fault.start += now();
   PressOptions probe = options_.press;
   probe.faults = {fault};
-  if (const Status status = Validate(probe); !status) return status;
+  TRY(Validate(probe));
   for (int k = 0; k < axes(); ++k)
     if (axis < 0 || k == axis) axes_[static_cast<std::size_t>(k)].faults.Add(fault);
   return {};

@@ -275,11 +275,10 @@ PressPhase PressGenerator::phase() const { return state_->motion.phase(); }
 
 Status PressGenerator::SetEffects(const std::vector<EffectSetting>& settings) {
   State& s = *state_;
-  const auto sizes = ResolveEffects(settings);
-  if (!sizes) return tl::unexpected(sizes.error());
+  const auto sizes = TRY(ResolveEffects(settings));
   const PressMotion& motion = s.options.motion;
   const double rate =
-      PressPlant::StiffestRate(s.options.machine, *sizes, motion.z_bottom - motion.z_bottom_spread);
+      PressPlant::StiffestRate(s.options.machine, sizes, motion.z_bottom - motion.z_bottom_spread);
   if (rate * s.grid.step > 1)
     return UsageError(
         "these effects need an integration step below {:.2g} s, but the press runs with {:.2g} s; "
@@ -291,11 +290,11 @@ Status PressGenerator::SetEffects(const std::vector<EffectSetting>& settings) {
     line = DelayLine(now, s.grid.step);
     line.Push(held);
   };
-  delay(s.late_pressure, s.effects.pressure_delay, sizes->pressure_delay);
-  delay(s.late_spool, s.effects.spool_delay, sizes->spool_delay);
-  delay(s.late_position, s.effects.position_delay, sizes->position_delay);
-  s.effects = s.active = *sizes;
-  s.plant.SetEffects(*sizes);
+  delay(s.late_pressure, s.effects.pressure_delay, sizes.pressure_delay);
+  delay(s.late_spool, s.effects.spool_delay, sizes.spool_delay);
+  delay(s.late_position, s.effects.position_delay, sizes.position_delay);
+  s.effects = s.active = sizes;
+  s.plant.SetEffects(sizes);
   return {};
 }
 

@@ -32,7 +32,7 @@ Status CheckFaults(const std::vector<SensorFault>& faults) {
 Status Validate(const PressOptions& o) {
   const PressMachine& m = o.machine;
   const PressMotion& w = o.motion;
-  const Status ranges = CheckRanges({
+  TRY(CheckRanges({
       {"seconds", o.seconds, 0.1, 1e8, "s"},
       {"sample_period", o.sample_period, 1e-5, 0.1, "s"},
       {"control_period", o.control_period, 1e-5, 0.1, "s"},
@@ -63,19 +63,14 @@ Status Validate(const PressOptions& o) {
       {"shortest set point step", w.step_time_min, 1e-3, 1e6, "s"},
       {"longest set point step", w.step_time_max, w.step_time_min, 1e6, "s"},
       {"rest pressure", w.rest_pressure, 1e5, m.p_supply - 1e5, "Pa"},
-  });
-  if (!ranges) return ranges;
+  }));
   for (const double speed : w.speeds)
-    if (const Status status = CheckRanges({{"ram speed in turn", speed, 1e-4, w.speed_max, "m/s"}}); !status)
-      return status;
-  for (const double level : w.set_points)
-    if (const Status status = CheckRanges({{"set point in turn", level, 1e5, 1e8, "Pa"}}); !status)
-      return status;
+    TRY(CheckRanges({{"ram speed in turn", speed, 1e-4, w.speed_max, "m/s"}}));
+  for (const double level : w.set_points) TRY(CheckRanges({{"set point in turn", level, 1e5, 1e8, "Pa"}}));
   for (const double level : w.rod_pressures)
-    if (const Status status = CheckRanges({{"rod pressure in turn", level, 0, 1e8, "Pa"}}); !status)
-      return status;
-  if (const auto effects = ResolveEffects(o.effects); !effects) return tl::unexpected(effects.error());
-  if (const auto list = ResolveImperfections(o.imperfections); !list) return tl::unexpected(list.error());
+    TRY(CheckRanges({{"rod pressure in turn", level, 0, 1e8, "Pa"}}));
+  TRY(ResolveEffects(o.effects));
+  TRY(ResolveImperfections(o.imperfections));
   return CheckFaults(o.faults);
 }
 

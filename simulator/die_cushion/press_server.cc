@@ -44,14 +44,13 @@ SamplePublisher::Options PublisherOptions(const PressServer::Options& o) {
 }  // namespace
 
 Result<std::unique_ptr<PressServer>> PressServer::Create(const Options& options, Clock clock) {
-  auto press = LivePress::Create(options.press);
-  if (!press) return tl::unexpected(press.error());
+  auto press = TRY(LivePress::Create(options.press));
   if (!options.axes.empty() && options.axes.size() != static_cast<std::size_t>(options.press.axes))
     return UsageError("{} names for {} axes", options.axes.size(), options.press.axes);
   if (!(options.speed >= 0.01 && options.speed <= 1000))
     return UsageError("speed {}; it must lie between 0.01 and 1000 times real time", options.speed);
-  std::unique_ptr<PressServer> server(new PressServer(options, std::move(clock), std::move(*press)));
-  if (const Status status = server->Open(); !status) return tl::unexpected(status.error());
+  std::unique_ptr<PressServer> server(new PressServer(options, std::move(clock), std::move(press)));
+  TRY(server->Open());
   return server;
 }
 
@@ -68,9 +67,7 @@ PressServer::~PressServer() = default;
 
 Status PressServer::Open() {
   if (options_.dds) {
-    auto publisher = SamplePublisher::Create(PublisherOptions(options_));
-    if (!publisher) return tl::unexpected(publisher.error());
-    publisher_ = std::move(*publisher);
+    publisher_ = TRY(SamplePublisher::Create(PublisherOptions(options_)));
   }
   Simulate();
   if (!options_.modbus) return {};
@@ -85,9 +82,7 @@ Status PressServer::Open() {
     sweep_request_ = {registers[press_map::kSweepAxis] - 1,
                       registers[press_map::kSweepAmplitude] * kAmplitudeUnit};
   };
-  auto server = ModbusServer::Start(options_.modbus->host, options_.modbus->port, fill, on_coil);
-  if (!server) return tl::unexpected(server.error());
-  modbus_ = std::move(*server);
+  modbus_ = TRY(ModbusServer::Start(options_.modbus->host, options_.modbus->port, fill, on_coil));
   PublishBatch();
   Simulate();
   return {};

@@ -145,10 +145,7 @@ Status Validate(const TestCylinderOptions& o) {
   constexpr double kMostDrift = 0.5;  // at the end of the log
   const double seconds = std::max(0.0, o.seconds - o.drift.from);
   for (const double rate : {o.drift.f_h, o.drift.zeta_h, o.drift.f_sv, o.drift.K_sv})
-    if (const Status s =
-            CheckRanges({{"drift at the end of the log", rate * seconds, -kMostDrift, kMostDrift, "1"}});
-        !s)
-      return s;
+    TRY(CheckRanges({{"drift at the end of the log", rate * seconds, -kMostDrift, kMostDrift, "1"}}));
   return {};
 }
 

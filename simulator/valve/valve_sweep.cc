@@ -48,19 +48,17 @@ class SteppedSine {
 
 Status Validate(const ValveSweepOptions& o) {
   if (o.frequencies.empty()) return UsageError("a sweep needs at least one frequency");
-  const Status ranges = CheckRanges({{"amplitude", o.amplitude, 1e-6, 1, "of full scale"},
-                                     {"hold", o.hold, 0.01, 1e4, "s"},
-                                     {"sample rate", o.sample_rate, 10, 1e5, "Hz"},
-                                     {"update rate", o.update_rate, 0, 1e5, "Hz"},
-                                     {"f0", o.f0, 1, 5000, "Hz"},
-                                     {"damping", o.damping, 0.05, 5, "1"},
-                                     {"gain", o.gain, 1e-3, 100, "1"},
-                                     {"dead time", o.dead_time, 0, 0.1, "s"},
-                                     {"noise", o.noise, 0, 1, "1"},
-                                     {"command noise", o.command_noise, 0, kSweepFullScale, "V"}});
-  if (!ranges) return ranges;
-  for (const double f : o.frequencies)
-    if (const Status s = CheckRanges({{"frequency", f, 0.01, o.sample_rate / 2, "Hz"}}); !s) return s;
+  TRY(CheckRanges({{"amplitude", o.amplitude, 1e-6, 1, "of full scale"},
+                   {"hold", o.hold, 0.01, 1e4, "s"},
+                   {"sample rate", o.sample_rate, 10, 1e5, "Hz"},
+                   {"update rate", o.update_rate, 0, 1e5, "Hz"},
+                   {"f0", o.f0, 1, 5000, "Hz"},
+                   {"damping", o.damping, 0.05, 5, "1"},
+                   {"gain", o.gain, 1e-3, 100, "1"},
+                   {"dead time", o.dead_time, 0, 0.1, "s"},
+                   {"noise", o.noise, 0, 1, "1"},
+                   {"command noise", o.command_noise, 0, kSweepFullScale, "V"}}));
+  for (const double f : o.frequencies) TRY(CheckRanges({{"frequency", f, 0.01, o.sample_rate / 2, "Hz"}}));
   return {};
 }
 

@@ -42,9 +42,8 @@ struct Scada {
 Result<Scada> PollAtOneHertz(ScadaClient& client, int alarms) {
   Scada scada;
   for (const double begin = Now(); Now() - begin < kDeliveryPatience;) {
-    const auto rows = client.NewRows();
-    if (!rows) return tl::unexpected(rows.error());
-    for (const ScadaRow& row : *rows) scada.rows.push_back(row.sequence);
+    const auto rows = TRY(client.NewRows());
+    for (const ScadaRow& row : rows) scada.rows.push_back(row.sequence);
     scada.missed = client.missed();
     ++scada.looks;
     if (static_cast<std::int64_t>(scada.rows.size()) + scada.missed >= alarms) break;

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 #include "host/output.h"
 #include "storage/alarm_journal.h"
 #include "storage/outbox.h"
@@ -65,9 +65,8 @@ Status CheckStates(const AlarmJournal& journal, const std::vector<JournalRow>& r
   std::map<std::pair<std::string, std::string>, const JournalRow*> last;
   for (const JournalRow& row : rows) last[{row.machine, row.event.alarm}] = &row;
   for (int a = 0; a < kAlarmAxes; ++a) {
-    auto axis = journal.Axis(AlarmAxis(a));
-    if (!axis) return tl::unexpected(axis.error());
-    for (const AlarmState& alarm : axis->alarms) {
+    auto axis = TRY(journal.Axis(AlarmAxis(a)));
+    for (const AlarmState& alarm : axis.alarms) {
       const auto row = last.find({AlarmAxis(a), alarm.id});
       if (row == last.end()) continue;
       ++counts.states;

@@ -25,12 +25,8 @@ AlarmRig::~AlarmRig() {
 Result<std::unique_ptr<AlarmRig>> AlarmRig::Create() {
   std::unique_ptr<AlarmRig> rig(new AlarmRig);
   rig->domain_ = FreeDomain();
-  auto dds = AlarmListener::Create(rig->domain_);
-  if (!dds) return tl::unexpected(dds.error());
-  rig->dds_ = std::move(*dds);
-  auto broker = CampaignBroker::Create(rig->folder_);
-  if (!broker) return tl::unexpected(broker.error());
-  rig->broker_ = std::move(*broker);
+  rig->dds_ = TRY(AlarmListener::Create(rig->domain_));
+  rig->broker_ = TRY(CampaignBroker::Create(rig->folder_));
   return rig;
 }
 

@@ -35,9 +35,8 @@ Result<DriftMonitor> Commission(StrokePress& press) {
   }
   const double coldest = drift::DefaultRules().minimum_temperature;
   std::erase_if(strokes, [&](const auto& s) { return s.oil_temperature < coldest; });
-  auto reference = drift::Reference::Learn(press.model(), strokes, 1);
-  if (!reference) return tl::unexpected(reference.error());
-  return DriftMonitor(press.model(), drift::DefaultRules(), std::move(*reference));
+  auto reference = TRY(drift::Reference::Learn(press.model(), strokes, 1));
+  return DriftMonitor(press.model(), drift::DefaultRules(), std::move(reference));
 }
 
 struct Found {
@@ -66,9 +65,8 @@ struct HealthyTally {
 
 /// One axis for `strokes` strokes after its commissioning.
 Status HealthyAxis(StrokePress press, std::int64_t strokes, int axis, HealthyTally& tally) {
-  auto commissioned = Commission(press);
-  if (!commissioned) return tl::unexpected(commissioned.error());
-  DriftMonitor& monitor = *commissioned;
+  auto commissioned = TRY(Commission(press));
+  DriftMonitor& monitor = commissioned;
   std::int64_t suspected = 0, told = 0;
   bool trend = false;
   for (std::int64_t k = kDay; k < kDay + strokes; ++k) {

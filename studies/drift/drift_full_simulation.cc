@@ -80,10 +80,9 @@ Result<std::vector<StrokeEvidence>> Record(const Axis& axis, const drift::Watche
     o.oil_start = kZeroCelsius + cold + (warm - cold) * part / parts;
     o.oil_end = kZeroCelsius + cold + (warm - cold) * (part + 1) / parts;
     if (fault) fault(o);
-    const auto log = StrokesOf(SimulatePress(o), MachineFor(o));
-    if (!log) return tl::unexpected(log.error());
-    if (structure != nullptr) *structure = log->model;
-    for (const StrokeRecord& record : log->strokes)
+    const auto log = TRY(StrokesOf(SimulatePress(o), MachineFor(o)));
+    if (structure != nullptr) *structure = log.model;
+    for (const StrokeRecord& record : log.strokes)
       if (model != nullptr) evidence.push_back(model->Evidence(record, sequence++));
   }
   return evidence;
@@ -129,26 +128,23 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
   const Axis axis = AxisOf(index, seed);
   std::shared_ptr<const ModelStructure> structure;
   std::int64_t sequence = 0;
-  if (const auto probe = Record(axis, nullptr, 1, 40, 40, seed, sequence, &structure); !probe)
-    return tl::unexpected(probe.error());
-  const auto model = drift::WatchedModel::Create(structure, {"internal_leakage"});
-  if (!model) return tl::unexpected(model.error());
-  const auto first = Record(axis, &*model, o.commissioning, 24, o.learned_to, seed + 1000, sequence, nullptr);
-  if (!first) return tl::unexpected(first.error());
-  auto reference = drift::Reference::Learn(*model, *first, 1);
+  TRY(Record(axis, nullptr, 1, 40, 40, seed, sequence, &structure));
+  const auto model = TRY(drift::WatchedModel::Create(structure, {"internal_leakage"}));
+  const auto first =
+      TRY(Record(axis, &model, o.commissioning, 24, o.learned_to, seed + 1000, sequence, nullptr));
+  auto reference = drift::Reference::Learn(model, first, 1);
   if (!reference) {
     ++campaign.untold;
     return {};
   }
   const drift::RuleBook rules = drift::DefaultRules();
-  DriftMonitor monitor(*model, rules, std::move(*reference));
-  const auto healthy = Record(axis, &*model, o.healthy, 25, 62, seed + 2000, sequence, nullptr);
-  if (!healthy) return tl::unexpected(healthy.error());
+  DriftMonitor monitor(model, rules, std::move(*reference));
+  const auto healthy = TRY(Record(axis, &model, o.healthy, 25, 62, seed + 2000, sequence, nullptr));
   if (o.details)
     fmt::print("  machine {} ({}), {} classes\n", index + 1, axis.products ? "three products" : "random",
                monitor.reference().classes().count());
   std::int64_t told = 0;
-  for (const StrokeEvidence& stroke : *healthy) {
+  for (const StrokeEvidence& stroke : healthy) {
     campaign.judged += monitor.Add(stroke).reason == drift::JudgementReason::kJudged;
     ++campaign.strokes;
     for (const drift::DriftFinding& f : monitor.findings()) {
@@ -163,9 +159,8 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
   for (std::size_t f = 0; f < kFullFaults.size(); ++f) {
     std::int64_t number = sequence;
     const auto faulty =
-        Record(axis, &*model, o.faulty, 40, 45, seed + 3000 + f, number, nullptr, kFullFaults[f].apply);
-    if (!faulty) return tl::unexpected(faulty.error());
-    FollowFault(monitor, *faulty, kFullFaults[f], o.details, campaign.faults[f]);
+        TRY(Record(axis, &model, o.faulty, 40, 45, seed + 3000 + f, number, nullptr, kFullFaults[f].apply));
+    FollowFault(monitor, faulty, kFullFaults[f], o.details, campaign.faults[f]);
   }
   return {};
 }

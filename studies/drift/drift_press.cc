@@ -39,12 +39,10 @@ Result<StrokePress> StrokePress::Create(int strokes, std::uint64_t seed) {
   for (int product = 0; product < kProducts; ++product) {
     PressOptions options = ProductOptions(product, StreamSeed(seed, "product") + product);
     options.seconds = strokes * kSecondsOfSlowStroke;
-    const auto log = StrokesOf(SimulatePress(options), MachineFor(options));
-    if (!log) return tl::unexpected(log.error());
+    const auto log = TRY(StrokesOf(SimulatePress(options), MachineFor(options)));
     if (!press.model_) {
-      auto model = drift::WatchedModel::Create(log->model, {"internal_leakage"});
-      if (!model) return tl::unexpected(model.error());
-      press.model_ = std::make_shared<const drift::WatchedModel>(std::move(*model));
+      auto model = TRY(drift::WatchedModel::Create(log.model, {"internal_leakage"}));
+      press.model_ = std::make_shared<const drift::WatchedModel>(std::move(model));
       press.machine_ = options.machine;
       const double q = options.machine.Q_vn / std::sqrt(options.machine.dp_nom), a = options.machine.A_A;
       press.theta_ = Eigen::VectorXd::Zero(press.model_->size());
@@ -53,7 +51,7 @@ Result<StrokePress> StrokePress::Create(int strokes, std::uint64_t seed) {
     }
     ProductStrokes p;
     std::vector<Eigen::VectorXd> errors;
-    for (const StrokeRecord& record : log->strokes) {
+    for (const StrokeRecord& record : log.strokes) {
       p.strokes.push_back(press.model_->Evidence(record, 0));
       const NormalEquations& e = p.strokes.back().equations;
       errors.push_back((e.g - e.h * press.theta_).cwiseQuotient(e.h.diagonal().cwiseSqrt()));

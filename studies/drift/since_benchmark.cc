@@ -121,15 +121,12 @@ MachineHistory DrawHistory(int index, const SinceOptions& o) {
 Status AskWhatChanged(MachineHistory& h) {
   const WorkFolder folder;
   const std::string database = folder.File("press.db");
-  if (const auto replayed = ReplaySimulated({h.before, h.after}, folder, database, ""); !replayed)
-    return tl::unexpected(replayed.error());
+  TRY(ReplaySimulated({h.before, h.after}, folder, database, ""));
   HistoryOptions options;
   options.db = database;
-  const auto chosen = OpenHistory(options, "");
-  if (!chosen) return tl::unexpected(chosen.error());
-  const auto sides = Split(chosen->database, database, chosen->choices.front(), "run:2");
-  if (!sides) return tl::unexpected(sides.error());
-  auto result = ExplainChange(sides->first, sides->second);
+  const auto chosen = TRY(OpenHistory(options, ""));
+  const auto sides = TRY(Split(chosen.database, database, chosen.choices.front(), "run:2"));
+  auto result = ExplainChange(sides.first, sides.second);
   if (!result) {
     h.refused = result.error().text;
     return {};

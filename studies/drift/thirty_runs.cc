@@ -71,22 +71,18 @@ Result<ReplayOutcome> Replay(const ThirtyRunsOptions& o, std::uint64_t seed, con
 Result<RunResult> RunFrom(const Database& database, std::int64_t machine_id, const RunInfo& run,
                           const ReplayOutcome& outcome, const std::vector<TrendPoint>& trends) {
   const double period = RunOptions({}, 1, 0).sample_period;
-  const auto strokes = database.Strokes(run.id);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const auto grams = database.Grams(machine_id, run.first_sequence, run.first_sequence + run.strokes);
-  if (!grams) return tl::unexpected(grams.error());
-  const auto model = BuildModel(outcome.machine);
-  if (!model) return tl::unexpected(model.error());
-  const auto fit = FitBaseModel(**model, *grams, WindowSamples::From(outcome.machine.window, period));
-  if (!fit) return tl::unexpected(fit.error());
+  const auto strokes = TRY(database.Strokes(run.id));
+  const auto grams = TRY(database.Grams(machine_id, run.first_sequence, run.first_sequence + run.strokes));
+  const auto model = TRY(BuildModel(outcome.machine));
+  const auto fit = TRY(FitBaseModel(*model, grams, WindowSamples::From(outcome.machine.window, period)));
   RunResult result;
   result.strokes = run.strokes;
-  for (const StrokeSummary& stroke : *strokes) {
+  for (const StrokeSummary& stroke : strokes) {
     result.oil += stroke.oil_temperature / static_cast<double>(run.strokes);
     result.gated_time += static_cast<double>(stroke.counters.used) * period;
   }
   for (std::size_t w = 0; w < kWatched.size(); ++w) {
-    const Estimate& own = fit->parameters[kWatched[w].estimate];
+    const Estimate& own = fit.parameters[kWatched[w].estimate];
     result.value[w] = own.value * kWatched[w].factor;
     result.std[w] = own.std * kWatched[w].factor;
     for (const TrendPoint& point : trends)
@@ -142,31 +138,23 @@ Result<Study> StudySeed(const ThirtyRunsOptions& o, std::uint64_t seed, const st
                         const std::string& report_path) {
   const WorkFolder folder;
   const std::string path = database_path.empty() ? folder.File("runs.db") : database_path;
-  const auto outcome = Replay(o, seed, folder, path, report_path);
-  if (!outcome) return tl::unexpected(outcome.error());
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
-  const auto machine_id = database->MachineId(outcome->machine.name);
-  if (!machine_id) return tl::unexpected(machine_id.error());
-  const auto trends = database->Trend(*machine_id, "");
-  if (!trends) return tl::unexpected(trends.error());
-  const auto strokes = database->SummariesOf(*machine_id, 0, outcome->strokes, outcome->strokes);
-  if (!strokes) return tl::unexpected(strokes.error());
+  const auto outcome = TRY(Replay(o, seed, folder, path, report_path));
+  auto database = TRY(Database::OpenReadOnly(path));
+  const auto machine_id = TRY(database.MachineId(outcome.machine.name));
+  const auto trends = TRY(database.Trend(machine_id, ""));
+  const auto strokes = TRY(database.SummariesOf(machine_id, 0, outcome.strokes, outcome.strokes));
   Study study;
-  for (const RunInfo& run : outcome->runs) {
-    auto result = RunFrom(*database, *machine_id, run, *outcome, *trends);
-    if (!result) return tl::unexpected(result.error());
-    study.runs.push_back(*result);
+  for (const RunInfo& run : outcome.runs) {
+    auto result = TRY(RunFrom(database, machine_id, run, outcome, trends));
+    study.runs.push_back(result);
   }
   ReportInput input;
-  input.machine = outcome->machine;
-  input.runs = outcome->runs;
-  input.strokes = *strokes;
-  input.trends = *trends;
-  auto blocks = EstimateBlocks(*database, *machine_id, outcome->machine, *strokes);
-  if (!blocks) return tl::unexpected(blocks.error());
-  input.blocks = std::move(*blocks);
-  study.slopes = SlopesOf(study.runs, outcome->machine, AnalyseTrends(input));
+  input.machine = outcome.machine;
+  input.runs = outcome.runs;
+  input.strokes = strokes;
+  input.trends = trends;
+  input.blocks = TRY(EstimateBlocks(database, machine_id, outcome.machine, strokes));
+  study.slopes = SlopesOf(study.runs, outcome.machine, AnalyseTrends(input));
   return study;
 }
 

@@ -87,7 +87,7 @@ Status ImpairedWire::OpenEnd(const char* address, End& end) {
 }
 
 Result<std::unique_ptr<ImpairedWire>> ImpairedWire::Create(std::uint64_t seed) {
-  if (const Status rights = GainNetworkRights(); !rights) return tl::unexpected(rights.error());
+  TRY(GainNetworkRights());
   std::unique_ptr<ImpairedWire> wire(new ImpairedWire(seed));
   for (int e = 0; e < 2; ++e) {
     Status opened;

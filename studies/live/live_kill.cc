@@ -40,25 +40,22 @@ std::map<std::pair<std::string, std::int64_t>, Acknowledged> ReadAcknowledged(co
 Result<std::vector<std::string>> Check(
     const std::string& path, const std::map<std::pair<std::string, std::int64_t>, Acknowledged>& said) {
   std::vector<std::string> faults;
-  auto database = Database::OpenReadOnly(path);
-  if (!database) return tl::unexpected(database.error());
-  if (const Status sound = database->CheckIntegrity(); !sound) faults.push_back(sound.error().text);
-  const auto names = database->MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  for (const std::string& name : *names) {
-    const auto machine = database->MachineId(name);
-    const auto runs = database->Runs(*machine);
-    const auto extents = database->RawExtents(*machine);
+  auto database = TRY(Database::OpenReadOnly(path));
+  if (const Status sound = database.CheckIntegrity(); !sound) faults.push_back(sound.error().text);
+  const auto names = TRY(database.MachineNames());
+  for (const std::string& name : names) {
+    const auto machine = database.MachineId(name);
+    const auto runs = database.Runs(*machine);
+    const auto extents = database.RawExtents(*machine);
     if (!runs || !extents) return tl::unexpected(!runs ? runs.error() : extents.error());
     double last_end = 0, raw_end = 0;
     for (const RunInfo& run : *runs) {
       const auto word = said.find({name, run.id});
-      const auto strokes = database->Strokes(run.id);
-      if (!strokes) return tl::unexpected(strokes.error());
+      const auto strokes = TRY(database.Strokes(run.id));
       if (word != said.end() && run.strokes < word->second.strokes)
         faults.push_back(fmt::format("{} run {}: {} strokes acknowledged, {} stored", name, run.id,
                                      word->second.strokes, run.strokes));
-      for (const StrokeSummary& stroke : *strokes) {
+      for (const StrokeSummary& stroke : strokes) {
         if (stroke.begin < last_end)
           faults.push_back(fmt::format("{} run {}: stroke {} twice", name, run.id, stroke.index));
         last_end = stroke.end;
@@ -78,7 +75,7 @@ Result<std::vector<std::string>> Check(
   }
   for (const auto& [key, word] : said) {
     const auto& [name, run_id] = key;
-    const auto runs = database->Runs(*database->MachineId(name));
+    const auto runs = database.Runs(*database.MachineId(name));
     if (runs && std::ranges::count(*runs, run_id, &RunInfo::id) == 0)
       faults.push_back(fmt::format("{}: run {} was acknowledged and is gone", name, run_id));
   }

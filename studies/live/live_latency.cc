@@ -34,28 +34,24 @@ double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100
 
 /// The past of a press that has worked for long, judged by its drift watch.
 Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
-  const auto machine = LoadMachine(rig.File("service.toml"));
-  if (!machine) return tl::unexpected(machine.error());
+  const auto machine = TRY(LoadMachine(rig.File("service.toml")));
   PressOptions press;
   press.seconds = kHistorySeconds;
-  const auto log = StrokesOf(SimulatePress(press), MachineFor(press));
-  if (!log) return tl::unexpected(log.error());
-  auto database = Database::Open(rig.database());
-  if (!database) return tl::unexpected(database.error());
+  const auto log = TRY(StrokesOf(SimulatePress(press), MachineFor(press)));
+  auto database = TRY(Database::Open(rig.database()));
   std::ifstream file(rig.File("service.toml"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   ProgressBar progress("filling the database", "strokes");
   for (int a = 0; a < o.axes; ++a) {
     const std::int64_t before = a * o.history;
-    const Status stored = StoreOverAndOver(
-        *database, AxisMachineName(*machine, a), text, *log, o.history, [&](std::int64_t strokes) {
+    TRY(StoreOverAndOver(
+        database, AxisMachineName(machine, a), text, log, o.history, [&](std::int64_t strokes) {
           progress.Update(static_cast<double>(before + strokes) / static_cast<double>(o.axes * o.history),
                           before + strokes);
-        });
-    if (!stored) return stored;
+        }));
   }
   const auto watch =
-      PressMonitor::Create(rig.File("service.toml"), machine->name, MachinesOfAxes(*machine), rig.database());
+      PressMonitor::Create(rig.File("service.toml"), machine.name, MachinesOfAxes(machine), rig.database());
   return watch ? (*watch)->CatchUp(WallSeconds()) : tl::unexpected(watch.error());
 }
 

@@ -220,18 +220,16 @@ double ValueChange::std() const { return std::hypot(before_std, after_std); }
 
 Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHistory& after,
                                    const ExplainOptions& options) {
-  auto then = ExplainHistory(before, options);
-  if (!then) return tl::unexpected(then.error());
-  ChangeResult result{std::move(*then), {}, {}, {}, {}, 0};
+  auto then = TRY(ExplainHistory(before, options));
+  ChangeResult result{std::move(then), {}, {}, {}, {}, 0};
   const Explanation& earlier = result.before.explanation;
   ExplainOptions own = OptionsForEquations(options, after.equations());
   own.start = IdsOf(*earlier.model, earlier.chosen);
   own.floor_excess += std::max(0.0, earlier.final.excess_ratio);
   StrokeHistory newest = after;
-  auto now = ExplainNewest(before, newest, own);
-  if (!now) return tl::unexpected(now.error());
+  auto now = TRY(ExplainNewest(before, newest, own));
   if (newest.units.size() < after.units.size()) result.newest = newest.strokes();
-  result.after = std::move(*now);
+  result.after = std::move(now);
 
   Explanation& later = result.after.explanation;
   RefuseSmallShares(earlier.final.excess_ratio, later);
@@ -257,13 +255,10 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
 Result<ChangeResult> ExplainChange(const Database& database, const std::string& path,
                                    const HistoryPart& before, const HistoryPart& after,
                                    const ExplainOptions& options) {
-  const auto machine = StoredMachine(database, path, after);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto then = LoadHistory(database, path, {before}, *machine);
-  if (!then) return tl::unexpected(then.error());
-  const auto now = LoadHistory(database, path, {after}, *machine);
-  if (!now) return tl::unexpected(now.error());
-  return ExplainChange(*then, *now, options);
+  const auto machine = TRY(StoredMachine(database, path, after));
+  const auto then = TRY(LoadHistory(database, path, {before}, machine));
+  const auto now = TRY(LoadHistory(database, path, {after}, machine));
+  return ExplainChange(then, now, options);
 }
 
 }  // namespace hydroscope

@@ -99,8 +99,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
         "{}: {} im gewählten Teil der Geschichte, erwartet mindestens {}: der Fehler wird an ausgelassenen {} beurteilt",
         history.database, counted.CountedTold(history.units.size()), kMinExplainStrokes,
         counted.SeveralDative()));
-  for (const std::string& id : options.start)
-    if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());
+  for (const std::string& id : options.start) TRY(FindEffect(*history.model, id));
   ExplainResult out;
   out.explanation = Explain(StrokeSet(history.model, history.units, history.window), options);
   if (out.explanation.base.solved &&

@@ -45,15 +45,12 @@ constexpr double kLeastSeen = PredictabilityOptions{}.min_share;
 /// Fits the model of the machine file; `model` then has the shapes of its effects.
 Status TakeModelAsItIs(std::shared_ptr<const ModelStructure>& model, ExplainResult& result) {
   if (result.log.machine.added_effects.empty()) {
-    auto figures = FitFigures(result.log);
-    if (!figures) return tl::unexpected(figures.error());
-    result.base = std::move(*figures);
+    result.base = TRY(FitFigures(result.log));
     return {};
   }
-  auto fitted = FitMachineModel(result.log);
-  if (!fitted) return tl::unexpected(fitted.error());
-  model = fitted->structure;
-  result.base = std::move(fitted->figures);
+  auto fitted = TRY(FitMachineModel(result.log));
+  model = fitted.structure;
+  result.base = std::move(fitted.figures);
   return {};
 }
 
@@ -228,7 +225,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   if (const Told few = TooFewForVerdict(out.strokes, CountedWordsOf(out.log.machine)); !few.empty())
     return BadInput(few);
   std::shared_ptr<const ModelStructure> model = out.log.model;
-  if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
+  TRY(TakeModelAsItIs(model, out));
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
   out.explanation = std::move(judged.explanation);
   out.trust = std::move(judged.trust);
@@ -262,11 +259,9 @@ const Effect* ExplainResult::FindEffect(const std::string& id) const {
 
 Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const ExplainOptions& options) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  auto strokes = ReadStrokes(logs, *machine, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
-  auto out = ExplainStrokes(std::move(*strokes), options);
+  const auto machine = TRY(LoadMachine(machine_file));
+  auto strokes = TRY(ReadStrokes(logs, machine, KeepSamples::kYes));
+  auto out = ExplainStrokes(std::move(strokes), options);
   if (!out)
     return tl::unexpected(Error{out.error().kind,
                                 fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text),

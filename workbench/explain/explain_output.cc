@@ -11,7 +11,7 @@
 #include "core/constants.h"
 #include "core/effect_units.h"
 #include "core/interval_text.h"
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/relative_change.h"
 #include "core/short_number.h"
 #include "core/units.h"

@@ -12,17 +12,14 @@ Status Compare(const Database& database, const std::string& path, const HistoryP
   HistoryPart before = part, after = part;
   before.last = out.change->before_end;
   after.first = out.change->since;
-  auto then = LoadHistory(database, path, {before}, machine);
-  if (!then) return tl::unexpected(then.error());
-  auto now = LoadHistory(database, path, {after}, machine);
-  if (!now) return tl::unexpected(now.error());
-  auto sides = ExplainChange(*then, *now);
-  if (!sides) return tl::unexpected(sides.error());
-  sides->before.described = HistoryLine(*then);
-  sides->after.described = HistoryLine(*now);
-  out.before = std::move(*then);
-  out.after = std::move(*now);
-  out.sides = std::move(*sides);
+  auto then = TRY(LoadHistory(database, path, {before}, machine));
+  auto now = TRY(LoadHistory(database, path, {after}, machine));
+  auto sides = TRY(ExplainChange(then, now));
+  sides.before.described = HistoryLine(then);
+  sides.after.described = HistoryLine(now);
+  out.before = std::move(then);
+  out.after = std::move(now);
+  out.sides = std::move(sides);
   return {};
 }
 
@@ -38,13 +35,11 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
     if (compared) return out;
     out.not_compared = compared.error().text;
   }
-  auto history = LoadHistory(database, path, {part}, machine);
-  if (!history) return tl::unexpected(history.error());
-  auto result = ExplainHistory(*history);
-  if (!result) return tl::unexpected(result.error());
-  result->described = HistoryLine(*history);
-  out.after = std::move(*history);
-  out.whole = std::move(*result);
+  auto history = TRY(LoadHistory(database, path, {part}, machine));
+  auto result = TRY(ExplainHistory(history));
+  result.described = HistoryLine(history);
+  out.after = std::move(history);
+  out.whole = std::move(result);
   return out;
 }
 

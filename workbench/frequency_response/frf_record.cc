@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/told_error.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
@@ -124,7 +124,7 @@ Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
 }  // namespace
 
 Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machine) {
-  if (const Status ok = CheckValveSignals(machine); !ok) return tl::unexpected(ok.error());
+  TRY(CheckValveSignals(machine));
   auto record =
       ReadFrfRecord(path, machine, {machine.valve.input, machine.valve.output, machine.valve.full_scale});
   if (record) record->record.shares = machine.IsShare(machine.valve.output);
@@ -132,30 +132,28 @@ Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machin
 }
 
 Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine, const FrfSignals& signals) {
-  auto reader = OpenRecording(path, ForFrequencyResponse(machine, signals));
-  if (!reader) return tl::unexpected(reader.error());
+  auto reader = TRY(OpenRecording(path, ForFrequencyResponse(machine, signals)));
   FrfRecord result;
-  result.record.sample_period = (*reader)->SamplePeriod();
+  result.record.sample_period = reader->SamplePeriod();
   RunBuilder runs(machine, signals, result);
   Mean pressure(machine.SignalIndex(KindOf(machine).supply)),
       oil(machine.SignalIndex(KindOf(machine).temperature));
   ProgressBar progress("reading", "rows");
   SampleBlock block;
   while (true) {
-    const auto rows = (*reader)->Read(block, kRowsAtOnce);
-    if (!rows) return tl::unexpected(rows.error());
-    if (*rows == 0) break;
+    const auto rows = TRY(reader->Read(block, kRowsAtOnce));
+    if (rows == 0) break;
     runs.Add(block);
     pressure.Add(block);
     oil.Add(block);
-    progress.Update((*reader)->Progress(), result.rows);
+    progress.Update(reader->Progress(), result.rows);
   }
   runs.Finish();
-  if (const std::int64_t rejected = (*reader)->counters().rejected_rows; rejected > 0) {
+  if (const std::int64_t rejected = reader->counters().rejected_rows; rejected > 0) {
     result.left_out += rejected;
     result.left_out_why += fmt::format("{}unreadable {}", result.left_out_why.empty() ? "" : ", ", rejected);
   }
-  result.time_base = (*reader)->counters().time_base;
+  result.time_base = reader->counters().time_base;
   result.supply_pressure = pressure.value();
   result.oil_temperature = oil.value();
   return result;

@@ -44,23 +44,18 @@ bool IsClosedLoop(const std::string& machine_file) {
 
 Result<LoopState> LoopStateBefore(const std::string& since, const Machine& machine) {
   if (since.empty()) return ReferenceState(machine);
-  const auto old = MeasureLoopLog(since, machine);
-  if (!old) return tl::unexpected(old.error());
-  return LoopStateOf(*old);
+  const auto old = TRY(MeasureLoopLog(since, machine));
+  return LoopStateOf(old);
 }
 
 Result<LoopChangeResult> ExplainLoopLog(const std::string& log, const std::string& since,
                                         const std::string& machine_file) {
-  auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto before = LoopStateBefore(since, *machine);
-  if (!before) return tl::unexpected(before.error());
-  auto measured = MeasureLoopLog(log, *machine);
-  if (!measured) return tl::unexpected(measured.error());
-  const auto after = LoopStateOf(*measured);
-  if (!after) return tl::unexpected(after.error());
-  LoopComparison comparison = CompareLoopStates(*ClosedLoopOf(*machine), *before, *after);
-  return LoopChangeResult{std::move(*machine), since, std::move(*measured), std::move(comparison)};
+  auto machine = TRY(LoadMachine(machine_file));
+  const auto before = TRY(LoopStateBefore(since, machine));
+  auto measured = TRY(MeasureLoopLog(log, machine));
+  const auto after = TRY(LoopStateOf(measured));
+  LoopComparison comparison = CompareLoopStates(*ClosedLoopOf(machine), before, after);
+  return LoopChangeResult{std::move(machine), since, std::move(measured), std::move(comparison)};
 }
 
 }  // namespace hydroscope

@@ -9,15 +9,14 @@ namespace hydroscope {
 
 Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, const LoopOptions& options) {
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
-  auto log = ReadFrfRecord(
-      path, machine, {std::string(plant.input), std::string(plant.output), 1, std::string(plant.set_point)});
-  if (!log) return tl::unexpected(log.error());
-  TransferModel model = TransferModelOf(machine, log->record.sample_period);
+  auto log = TRY(ReadFrfRecord(
+      path, machine, {std::string(plant.input), std::string(plant.output), 1, std::string(plant.set_point)}));
+  TransferModel model = TransferModelOf(machine, log.record.sample_period);
   LoopOptions as_known = options;
   as_known.known = ReferencesOf(machine);
-  auto response = MeasureClosedLoop(log->record, model, as_known);
-  if (!response) return tl::unexpected(NotMeasured(path, response.error(), *log));
-  return LoopLog{path, std::move(*log), std::move(model), std::move(*response)};
+  auto response = MeasureClosedLoop(log.record, model, as_known);
+  if (!response) return tl::unexpected(NotMeasured(path, response.error(), log));
+  return LoopLog{path, std::move(log), std::move(model), std::move(*response)};
 }
 
 std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& response) {

@@ -22,15 +22,14 @@ std::vector<const FrequencyPoint*> ValveLog::Used() const {
 
 Result<ValveLog> MeasureValveLog(const std::string& path, const Machine& machine,
                                  const FrequencyResponseOptions& options) {
-  if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
-  auto log = ReadValveRecord(path, machine);
-  if (!log) return tl::unexpected(log.error());
-  auto response = MeasureFrequencyResponse(log->record, options);
+  TRY(options.Validate());
+  auto log = TRY(ReadValveRecord(path, machine));
+  auto response = MeasureFrequencyResponse(log.record, options);
   if (!response) {
     const std::string what = fmt::format("{} ({} -> {})", path, machine.valve.input, machine.valve.output);
-    return tl::unexpected(NotMeasured(what, response.error(), *log));
+    return tl::unexpected(NotMeasured(what, response.error(), log));
   }
-  return ValveLog{path, std::move(*log), std::move(*response)};
+  return ValveLog{path, std::move(log), std::move(*response)};
 }
 
 }  // namespace hydroscope

@@ -47,9 +47,8 @@ struct ShapedEffects {
 
 Result<ShapedEffects> ChooseShapes(const Machine& machine, const StrokeHistory& history) {
   if (machine.added_effects.empty()) return ShapedEffects{history.model, {}};
-  auto fitted = FitHistoryModel(machine, history);
-  if (!fitted) return tl::unexpected(fitted.error());
-  return ShapedEffects{std::move(fitted->structure), std::move(fitted->choices)};
+  auto fitted = TRY(FitHistoryModel(machine, history));
+  return ShapedEffects{std::move(fitted.structure), std::move(fitted.choices)};
 }
 
 double RandomStd(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& gradient, double factor) {
@@ -97,19 +96,17 @@ Result<std::vector<BlockEstimates>> EstimateBlocks(const Database& database, std
   std::vector<BlockEstimates> blocks;
   if (strokes.empty()) return blocks;
   const HistoryPart all{machine.name, machine_id, strokes.front().index, strokes.back().index + 1};
-  const auto history = LoadHistory(database, "", {all}, machine, kMostSingle);
-  if (!history) return tl::unexpected(history.error());
-  const auto shapes = ChooseShapes(machine, *history);
-  if (!shapes) return tl::unexpected(shapes.error());
-  for (const UnitRange& range : Cut(*history)) {
-    const std::span<const StrokeGram> units(&history->units[range.begin], range.end - range.begin);
-    const ExtendedFit fit = StrokeSet(shapes->structure, units, history->window).Fit(shapes->choices);
+  const auto history = TRY(LoadHistory(database, "", {all}, machine, kMostSingle));
+  const auto shapes = TRY(ChooseShapes(machine, history));
+  for (const UnitRange& range : Cut(history)) {
+    const std::span<const StrokeGram> units(&history.units[range.begin], range.end - range.begin);
+    const ExtendedFit fit = StrokeSet(shapes.structure, units, history.window).Fit(shapes.choices);
     if (!fit.solved) continue;
     BlockEstimates block;
-    block.first = history->unit_parts[range.begin].first;
-    block.last = history->unit_parts[range.end - 1].last;
+    block.first = history.unit_parts[range.begin].first;
+    block.last = history.unit_parts[range.end - 1].last;
     block.oil_temperature = MeanOil(strokes, block.first, block.last);
-    block.parameters = Parameters(*shapes->structure, fit, units.size());
+    block.parameters = Parameters(*shapes.structure, fit, units.size());
     blocks.push_back(std::move(block));
   }
   return blocks;

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/estimate.h"
+#include "core/records/stroke_record.h"
 #include "core/result.h"
 #include "models/machine.h"
 #include "storage/database.h"

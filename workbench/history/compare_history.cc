@@ -53,9 +53,7 @@ double BeginOf(const StrokeHistory& history, const HistoryPart& unit) {
 
 Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   CompareResult out;
-  auto model = FitHistoryModel(history.machine, history);
-  if (!model) return tl::unexpected(model.error());
-  out.model = std::move(*model);
+  out.model = TRY(FitHistoryModel(history.machine, history));
   out.log.machine = history.machine;
   out.log.model = history.model;
   out.log.window = history.window;

@@ -14,26 +14,22 @@ void AddHistoryOptions(CLI::App& command, HistoryOptions& o) {
 }
 
 Result<ChosenHistory> OpenHistory(const HistoryOptions& options, const std::string& machine_file) {
-  auto database = Database::OpenReadOnly(options.db);
-  if (!database) return tl::unexpected(database.error());
-  auto parts = ChosenMachines(*database, options.db, options.machines);
-  if (!parts) return tl::unexpected(parts.error());
-  ChosenHistory out{std::move(*database), {}};
-  for (HistoryPart& part : *parts) {
-    if (const Status narrowed = Narrow(out.database, options.from, options.to, part); !narrowed)
-      return tl::unexpected(narrowed.error());
+  auto database = TRY(Database::OpenReadOnly(options.db));
+  auto parts = TRY(ChosenMachines(database, options.db, options.machines));
+  ChosenHistory out{std::move(database), {}};
+  for (HistoryPart& part : parts) {
+    TRY(Narrow(out.database, options.from, options.to, part));
     if (options.fleet && !out.choices.empty()) {
       out.choices.front().parts.push_back(part);
       continue;
     }
     const auto machine =
-        machine_file.empty() ? StoredMachine(out.database, options.db, part) : LoadMachine(machine_file);
-    if (!machine) return tl::unexpected(machine.error());
+        TRY(machine_file.empty() ? StoredMachine(out.database, options.db, part) : LoadMachine(machine_file));
     const std::string target = !machine_file.empty() ? "--machine " + machine_file
-                               : parts->size() > 1
+                               : parts.size() > 1
                                    ? fmt::format("--db {} --machine-name '{}'", options.db, part.machine)
                                    : "--db " + options.db;
-    out.choices.push_back({{part}, *machine, target});
+    out.choices.push_back({{part}, machine, target});
   }
   return out;
 }
@@ -42,14 +38,12 @@ Result<std::pair<StrokeHistory, StrokeHistory>> Split(const Database& database, 
                                                       const HistoryChoice& choice, const std::string& since) {
   std::vector<HistoryPart> before = choice.parts, after = choice.parts;
   for (std::size_t k = 0; k < choice.parts.size(); ++k) {
-    if (const Status cut = Narrow(database, "", since, before[k]); !cut) return tl::unexpected(cut.error());
-    if (const Status cut = Narrow(database, since, "", after[k]); !cut) return tl::unexpected(cut.error());
+    TRY(Narrow(database, "", since, before[k]));
+    TRY(Narrow(database, since, "", after[k]));
   }
-  auto then = LoadHistory(database, path, before, choice.machine);
-  if (!then) return tl::unexpected(then.error());
-  auto now = LoadHistory(database, path, after, choice.machine);
-  if (!now) return tl::unexpected(now.error());
-  return std::make_pair(std::move(*then), std::move(*now));
+  auto then = TRY(LoadHistory(database, path, before, choice.machine));
+  auto now = TRY(LoadHistory(database, path, after, choice.machine));
+  return std::make_pair(std::move(then), std::move(now));
 }
 
 }  // namespace hydroscope

@@ -50,15 +50,13 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
                  StrokeHistory& history) {
   for (const HistoryPart& unit : Cut(part, size)) history.unit_parts.push_back(unit);
   if (size == 1) {
-    auto grams = database.Grams(part.id, part.first, part.last);
-    if (!grams) return tl::unexpected(grams.error());
-    std::move(grams->begin(), grams->end(), std::back_inserter(history.units));
+    auto grams = TRY(database.Grams(part.id, part.first, part.last));
+    std::move(grams.begin(), grams.end(), std::back_inserter(history.units));
     return {};
   }
   for (std::size_t k = history.units.size(); k < history.unit_parts.size(); ++k) {
-    auto sum = database.SumGrams(part.id, history.unit_parts[k].first, history.unit_parts[k].last);
-    if (!sum) return tl::unexpected(sum.error());
-    history.units.push_back(std::move(*sum));
+    auto sum = TRY(database.SumGrams(part.id, history.unit_parts[k].first, history.unit_parts[k].last));
+    history.units.push_back(std::move(sum));
   }
   return {};
 }
@@ -66,14 +64,12 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
 Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
   const CountedWords counted = CountedWordsOf(history.machine);
-  const auto runs = database.Runs(part.id);
-  if (!runs) return tl::unexpected(runs.error());
-  for (const RunInfo& run : *runs) {
+  const auto runs = TRY(database.Runs(part.id));
+  for (const RunInfo& run : runs) {
     if (run.strokes == 0 || run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first)
       continue;
-    const auto model = database.GetModelVersion(part.id, run.model_version);
-    if (!model) return tl::unexpected(model.error());
-    if (model->columns != history.model->ColumnNames())
+    const auto model = TRY(database.GetModelVersion(part.id, run.model_version));
+    if (model.columns != history.model->ColumnNames())
       return BadInput(Tell(
           "{}: {} of run {} ({}) of {} were recorded with other sums of products than this machine and "
           "program have; replay their logs into a new database",
@@ -100,11 +96,10 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
 /// Marks the units as of the run they begin in: strokes of one run may hang together.
 Status LabelRuns(const Database& database, StrokeHistory& history) {
   for (const HistoryPart& part : history.parts) {
-    const auto runs = database.Runs(part.id);
-    if (!runs) return tl::unexpected(runs.error());
+    const auto runs = TRY(database.Runs(part.id));
     for (std::size_t k = 0; k < history.units.size(); ++k) {
       const HistoryPart& unit = history.unit_parts[k];
-      for (const RunInfo& run : *runs)
+      for (const RunInfo& run : runs)
         if (unit.id == part.id && unit.first >= run.first_sequence &&
             unit.first < run.first_sequence + run.strokes)
           history.units[k].log = static_cast<int>(run.id);
@@ -163,12 +158,11 @@ std::optional<double> Date(const std::string& text) {
 }
 
 Result<std::int64_t> RunBegin(const Database& database, std::int64_t machine, const std::string& number) {
-  const auto runs = database.Runs(machine);
-  if (!runs) return tl::unexpected(runs.error());
-  for (const RunInfo& run : *runs)
+  const auto runs = TRY(database.Runs(machine));
+  for (const RunInfo& run : runs)
     if (std::to_string(run.id) == number) return run.first_sequence;
   std::vector<std::int64_t> ids;
-  for (const RunInfo& run : *runs) ids.push_back(run.id);
+  for (const RunInfo& run : runs) ids.push_back(run.id);
   return BadInput(Tell("the machine has no run {}; its runs: {}",
                        "die Maschine hat keinen Lauf {}; ihre Läufe: {}", number, fmt::join(ids, ", ")));
 }
@@ -199,27 +193,24 @@ std::int64_t StrokeHistory::strokes_per_unit() const {
 
 Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::string& path,
                                                 const std::vector<std::string>& names) {
-  const auto known = database.MachineNames();
-  if (!known) return tl::unexpected(known.error());
-  if (known->empty())
+  const auto known = TRY(database.MachineNames());
+  if (known.empty())
     return BadInput(
         Tell("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
              "{} enthält noch keine Maschine; füllen mit `hydroscope replay LOG --machine M.toml --db {}`",
              path, path));
   std::vector<HistoryPart> parts;
-  for (const std::string& name : names.empty() ? *known : names) {
-    if (std::ranges::find(*known, name) == known->end()) {
-      const std::string nearest = Nearest(name, *known);
+  for (const std::string& name : names.empty() ? known : names) {
+    if (std::ranges::find(known, name) == known.end()) {
+      const std::string nearest = Nearest(name, known);
       return BadInput(
           Tell("{} has no machine \"{}\"; it holds: {}{}", "{} hat keine Maschine „{}“; darin: {}{}", path,
-               name, fmt::join(*known, ", "),
+               name, fmt::join(known, ", "),
                nearest.empty() ? Told() : Tell(". Did you mean {}?", ". Ist {} gemeint?", nearest)));
     }
-    const auto id = database.MachineId(name);
-    if (!id) return tl::unexpected(id.error());
-    const auto end = database.EndSequence(*id);
-    if (!end) return tl::unexpected(end.error());
-    parts.push_back({name, *id, 0, *end});
+    const auto id = TRY(database.MachineId(name));
+    const auto end = TRY(database.EndSequence(id));
+    parts.push_back({name, id, 0, end});
   }
   return parts;
 }
@@ -241,32 +232,27 @@ Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, c
 Status Narrow(const Database& database, const std::string& from, const std::string& to, HistoryPart& part) {
   for (const auto& [text, is_begin] : {std::pair(from, true), std::pair(to, false)}) {
     if (text.empty()) continue;
-    const auto place = FindPlace(database, part.id, text);
-    if (!place) return tl::unexpected(place.error());
+    const auto place = TRY(FindPlace(database, part.id, text));
     if (is_begin)
-      part.first = std::max(part.first, *place);
+      part.first = std::max(part.first, place);
     else
-      part.last = std::min(part.last, *place);
+      part.last = std::min(part.last, place);
   }
   part.first = std::min(part.first, part.last);
   return {};
 }
 
 Result<Machine> StoredMachine(const Database& database, const std::string& path, const HistoryPart& part) {
-  auto model = database.PromotedModel(part.id);
-  if (!model) return tl::unexpected(model.error());
-  if (!*model) {
-    const auto runs = database.Runs(part.id);
-    if (!runs) return tl::unexpected(runs.error());
-    if (runs->empty())
+  auto model = TRY(database.PromotedModel(part.id));
+  if (!model) {
+    const auto runs = TRY(database.Runs(part.id));
+    if (runs.empty())
       return BadInput(Tell("{}: nothing of machine {} is stored yet",
                            "{}: von Maschine {} ist noch nichts gespeichert", path, part.machine));
-    auto last = database.GetModelVersion(part.id, runs->back().model_version);
-    if (!last) return tl::unexpected(last.error());
-    *model = std::move(*last);
+    model = TRY(database.GetModelVersion(part.id, runs.back().model_version));
   }
-  return ParseMachine((*model)->definition,
-                      fmt::format("{}: model version {} of {}", path, (*model)->version, part.machine));
+  return ParseMachine(model->definition,
+                      fmt::format("{}: model version {} of {}", path, model->version, part.machine));
 }
 
 CountedWords CountedWordsIn(const std::string& path, const std::string& machine) {
@@ -285,9 +271,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   history.database = path;
   history.machine = machine;
   history.parts = parts;
-  auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  history.model = std::move(*model);
+  history.model = TRY(BuildModel(machine));
   // What was added to equations of states is among the parameters of the model, no column beside them.
   if (KindOf(machine).has_states) history.machine.added_effects.clear();
   if (history.strokes() == 0)
@@ -296,9 +280,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
              "{}: keine {} im gewählten Teil der Geschichte; `hydroscope trends --db {}` zeigt, was da ist",
              path, CountedWordsOf(machine).many, path));
   double period = machine.log.sample_period.value_or(0.0);
-  for (const HistoryPart& part : parts)
-    if (const Status fits = CheckRuns(database, part, period, history); !fits)
-      return tl::unexpected(fits.error());
+  for (const HistoryPart& part : parts) TRY(CheckRuns(database, part, period, history));
   if (!(period > 0) && machine.live) period = machine.live->grid_period;  // its first run goes on
   if (!(period > 0))
     return BadInput(Tell(
@@ -310,20 +292,16 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   const std::int64_t size = UnitSize(history.strokes(), most_single);
   for (const HistoryPart& part : parts) {
     if (part.strokes() == 0) continue;
-    if (const Status read = ReadUnits(database, part, size, history); !read)
-      return tl::unexpected(read.error());
-    auto sample =
+    TRY(ReadUnits(database, part, size, history));
+    auto sample = TRY(
         database.SummariesOf(part.id, part.first, part.last,
-                             std::max<std::int64_t>(1, kSample / static_cast<std::int64_t>(parts.size())));
-    if (!sample) return tl::unexpected(sample.error());
-    history.sample.insert(history.sample.end(), sample->begin(), sample->end());
+                             std::max<std::int64_t>(1, kSample / static_cast<std::int64_t>(parts.size()))));
+    history.sample.insert(history.sample.end(), sample.begin(), sample.end());
   }
-  if (const Status labelled = LabelRuns(database, history); !labelled)
-    return tl::unexpected(labelled.error());
-  if (const Status checked = CheckUnits(history); !checked) return tl::unexpected(checked.error());
+  TRY(LabelRuns(database, history));
+  TRY(CheckUnits(history));
   if (KindOf(machine).has_states) history.white_noise = RmsOfFloors(history.sample);
-  if (const Status plausible = JudgeStrokes(path, machine, history.sample); !plausible)
-    return tl::unexpected(plausible.error());
+  TRY(JudgeStrokes(path, machine, history.sample));
   return history;
 }
 

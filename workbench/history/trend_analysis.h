@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/estimate.h"
+#include "core/records/stroke_record.h"
 #include "estimation/trend_statistics.h"
 #include "models/machine.h"
 #include "storage/database.h"

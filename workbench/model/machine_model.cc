@@ -92,9 +92,8 @@ GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strok
 
 Result<GramFit> FitFigures(const LogStrokes& log) {
   if (log.machine.added_effects.empty()) return FitBaseModel(*log.model, UsedGrams(log), log.window);
-  auto model = FitMachineModel(log);
-  if (!model) return tl::unexpected(model.error());
-  return std::move(model->figures);
+  auto model = TRY(FitMachineModel(log));
+  return std::move(model.figures);
 }
 
 Result<MachineModel> FitMachineModel(const LogStrokes& log) {
@@ -104,11 +103,10 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     AddSampleEffects(*structure, log.machine.added_effects);
     StrokeSet strokes = StrokesUnder(*structure, log);
     for (const std::string& id : log.machine.added_effects) {
-      const auto effect = FindEffect(*structure, id);
-      if (!effect) return tl::unexpected(effect.error());
-      if (structure->effect_shapes[*effect].empty() && SearchShape(log, strokes, choices, *structure))
+      const auto effect = TRY(FindEffect(*structure, id));
+      if (structure->effect_shapes[effect].empty() && SearchShape(log, strokes, choices, *structure))
         strokes = StrokesUnder(*structure, log);
-      const EffectChoice best = strokes.BestShape(*effect, choices);
+      const EffectChoice best = strokes.BestShape(effect, choices);
       if (best.shape < 0)
         return BadInput(Tell(
             "these strokes cannot tell effect '{0}' of the machine file from the rest of the model: record "
@@ -134,9 +132,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     out.figures = FiguresOf(*structure, out.fit, static_cast<int>(log.stretches.size()));
     return out;
   }
-  auto figures = FitFigures(log);
-  if (!figures) return tl::unexpected(figures.error());
-  out.figures = std::move(*figures);
+  out.figures = TRY(FitFigures(log));
   return out;
 }
 

@@ -26,14 +26,12 @@ struct Evidence {
 /// Both models, fitted to `strokes`, on a log that neither was fitted to.
 Result<std::pair<HeldOutError, HeldOutError>> OnHeldOut(const std::string& log, LogStrokes strokes,
                                                         const Machine& before, const Machine& next) {
-  const auto held_out = ReadStrokes(log, before, KeepSamples::kYes);
-  if (!held_out) return tl::unexpected(held_out.error());
+  const auto held_out = TRY(ReadStrokes(log, before, KeepSamples::kYes));
   std::vector<HeldOutError> errors;
   for (const Machine* machine : {&before, &next}) {
     strokes.machine = *machine;
-    auto error = ErrorHeldOut(strokes, *held_out, log);
-    if (!error) return tl::unexpected(error.error());
-    errors.push_back(std::move(*error));
+    auto error = TRY(ErrorHeldOut(strokes, held_out, log));
+    errors.push_back(std::move(error));
   }
   return std::make_pair(errors[0], errors[1]);
 }
@@ -43,16 +41,14 @@ Result<Evidence> OnEpisodes(const ModelChange& change, const Machine& before, co
   if (!change.hold_out.empty())
     return UsageError(
         "--hold-out of 'model' is not there for machines with [states] yet; use 'compare --hold-out'");
-  auto log = ReadEpisodes(change.logs, before);
-  if (!log) return tl::unexpected(log.error());
+  auto log = TRY(ReadEpisodes(change.logs, before));
   const std::string source = fmt::format("{}", fmt::join(change.logs, ", "));
   Evidence out;
   for (const Machine* machine : {&before, &next}) {
-    EpisodeLog episodes = *log;
+    EpisodeLog episodes = log;
     episodes.machine = *machine;
-    const auto fit = FitEpisodes(std::move(episodes));
-    if (!fit) return tl::unexpected(fit.error());
-    (machine == &before ? out.before : out.next) = ModelEvidence{RecordOf(*fit, source), {}};
+    const auto fit = TRY(FitEpisodes(std::move(episodes)));
+    (machine == &before ? out.before : out.next) = ModelEvidence{RecordOf(fit, source), {}};
   }
   return out;
 }
@@ -60,67 +56,52 @@ Result<Evidence> OnEpisodes(const ModelChange& change, const Machine& before, co
 /// Both models on the same strokes; the logs are read once.
 Result<Evidence> OnLogs(const ModelChange& change, const Machine& before, const Machine& next) {
   if (KindOf(before).has_states) return OnEpisodes(change, before, next);
-  const auto logs = ChooseLogs(change.logs, change.hold_out);
-  if (!logs) return tl::unexpected(logs.error());
-  auto strokes = ReadStrokes(logs->fitted, before, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const std::string source = fmt::format("{}", fmt::join(logs->fitted, ", "));
-  if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
+  const auto logs = TRY(ChooseLogs(change.logs, change.hold_out));
+  auto strokes = TRY(ReadStrokes(logs.fitted, before, KeepSamples::kYes));
+  const std::string source = fmt::format("{}", fmt::join(logs.fitted, ", "));
+  if (const LogTrust trust = JudgeStrokes(strokes); !trust.rate.fast_enough)
     return BadInput(Tell("{}: {}; without the log the model is changed unjudged",
                          "{}: {}; ohne das Log wird das Modell unbeurteilt geändert", source,
                          trust.rate.sentence));
   Evidence out;
-  auto judged_before = JudgeModel(before, *strokes, source);
-  if (!judged_before) return tl::unexpected(judged_before.error());
-  out.before = std::move(*judged_before);
-  if (!logs->held_out.empty()) {
-    auto held_out = OnHeldOut(logs->held_out, *strokes, before, next);
-    if (!held_out) return tl::unexpected(held_out.error());
-    out.held_out = std::move(*held_out);
+  out.before = TRY(JudgeModel(before, strokes, source));
+  if (!logs.held_out.empty()) {
+    out.held_out = TRY(OnHeldOut(logs.held_out, strokes, before, next));
   }
-  auto judged_next = JudgeModel(next, std::move(*strokes), source);
-  if (!judged_next) return tl::unexpected(judged_next.error());
-  out.next = std::move(*judged_next);
+  out.next = TRY(JudgeModel(next, std::move(strokes), source));
   return out;
 }
 
 Result<Evidence> OnStrokes(const Database& database, const ModelChange& change,
                            const std::vector<HistoryPart>& parts, const Machine& before,
                            const Machine& next) {
-  const auto history = LoadHistory(database, change.history.db, parts, before);
-  if (!history) return tl::unexpected(history.error());
-  auto judged_before = JudgeModel(before, *history);
-  if (!judged_before) return tl::unexpected(judged_before.error());
-  auto judged_next = JudgeModel(next, *history);
-  if (!judged_next) return tl::unexpected(judged_next.error());
-  return Evidence{std::move(*judged_before), std::move(*judged_next), {}};
+  const auto history = TRY(LoadHistory(database, change.history.db, parts, before));
+  auto judged_before = TRY(JudgeModel(before, history));
+  auto judged_next = TRY(JudgeModel(next, history));
+  return Evidence{std::move(judged_before), std::move(judged_next), {}};
 }
 
 /// The one machine meant: the one named, that of the machine file, or the only one.
 Result<HistoryPart> OneMachine(Database& database, const HistoryOptions& o, const std::string& name) {
   std::vector<std::string> names = o.machines;
   if (names.empty() && !name.empty()) names = {name};
-  auto parts = ChosenMachines(database, o.db, names);
-  if (!parts) return tl::unexpected(parts.error());
-  if (parts->size() != 1) {
+  auto parts = TRY(ChosenMachines(database, o.db, names));
+  if (parts.size() != 1) {
     std::vector<std::string> known;
-    for (const HistoryPart& part : *parts) known.push_back(part.machine);
-    return UsageError("{} holds {} machines ({}); choose one with --machine-name", o.db, parts->size(),
+    for (const HistoryPart& part : parts) known.push_back(part.machine);
+    return UsageError("{} holds {} machines ({}); choose one with --machine-name", o.db, parts.size(),
                       fmt::join(known, ", "));
   }
-  if (const Status narrowed = Narrow(database, o.from, o.to, parts->front()); !narrowed)
-    return tl::unexpected(narrowed.error());
-  return parts->front();
+  TRY(Narrow(database, o.from, o.to, parts.front()));
+  return parts.front();
 }
 
 Result<Evidence> Judge(const ModelChange& change, const Machine& before, const Machine& next) {
   if (!change.logs.empty()) return OnLogs(change, before, next);
   if (change.history.db.empty()) return Evidence{};
-  auto database = Database::OpenReadOnly(change.history.db);
-  if (!database) return tl::unexpected(database.error());
-  const auto part = OneMachine(*database, change.history, before.name);
-  if (!part) return tl::unexpected(part.error());
-  return OnStrokes(*database, change, {*part}, before, next);
+  auto database = TRY(Database::OpenReadOnly(change.history.db));
+  const auto part = TRY(OneMachine(database, change.history, before.name));
+  return OnStrokes(database, change, {part}, before, next);
 }
 
 std::string EvidenceHint(const Evidence& evidence, const std::string& path) {
@@ -162,76 +143,62 @@ void TellError(const Machine& before, const Machine& next, const Evidence& evide
 }
 
 Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
-  const auto machine = LoadMachine(change.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  auto next = make_next(*machine, change.effect, NextVersion(change.machine, *machine));
-  if (!next) return tl::unexpected(next.error());
-  const auto evidence = Judge(change, *machine, *next);
-  if (!evidence) return tl::unexpected(evidence.error());
-  AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
-  const bool adds = next->added_effects.size() > machine->added_effects.size();
-  if (const auto kept = FindKept(change.machine, *machine, *next); kept && !adds && change.out.empty()) {
-    const auto beside = RestoreVersion(change.machine, machine->model_version, *kept);
-    if (!beside) return tl::unexpected(beside.error());
-    const auto restored = LoadMachine(change.machine);
-    if (!restored) return tl::unexpected(restored.error());
+  const auto machine = TRY(LoadMachine(change.machine));
+  auto next = TRY(make_next(machine, change.effect, NextVersion(change.machine, machine)));
+  const auto evidence = TRY(Judge(change, machine, next));
+  AddRecords(machine, evidence.before, evidence.next, change.name, next);
+  const bool adds = next.added_effects.size() > machine.added_effects.size();
+  if (const auto kept = FindKept(change.machine, machine, next); kept && !adds && change.out.empty()) {
+    const auto beside = TRY(RestoreVersion(change.machine, machine.model_version, *kept));
+    const auto restored = TRY(LoadMachine(change.machine));
     ModelChanged changed{
-        *restored,
+        restored,
         fmt::format("{}: again model version {}, byte for byte\nThe version with {} is kept as {}\n{}",
-                    change.machine, restored->model_version, change.effect, *beside, LastStepText(*next)),
+                    change.machine, restored.model_version, change.effect, beside, LastStepText(next)),
         change.machine, true};
-    TellError(*machine, *next, *evidence, change.effect, changed);
+    TellError(machine, next, evidence, change.effect, changed);
     return changed;
   }
   const std::string path = change.out.empty() ? change.machine : change.out;
-  const auto kept = WriteVersion(change.machine, path, machine->model_version, *next);
-  if (!kept) return tl::unexpected(kept.error());
+  const auto kept = TRY(WriteVersion(change.machine, path, machine.model_version, next));
   std::string text =
-      fmt::format("{}: model version {}, {}\n", path, next->model_version, next->model_history.back().name);
-  if (!kept->empty()) text += fmt::format("The version before is kept as {}\n", *kept);
-  ModelChanged changed{*next, text + LastStepText(*next) + EvidenceHint(*evidence, path), path, false};
-  TellError(*machine, *next, *evidence, change.effect, changed);
+      fmt::format("{}: model version {}, {}\n", path, next.model_version, next.model_history.back().name);
+  if (!kept.empty()) text += fmt::format("The version before is kept as {}\n", kept);
+  ModelChanged changed{next, text + LastStepText(next) + EvidenceHint(evidence, path), path, false};
+  TellError(machine, next, evidence, change.effect, changed);
   return changed;
 }
 
 Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_next) {
-  auto database = Database::Open(change.history.db);
-  if (!database) return tl::unexpected(database.error());
-  const auto part = OneMachine(*database, change.history, "");
-  if (!part) return tl::unexpected(part.error());
-  const auto versions = database->ModelVersions(part->id);
-  if (!versions) return tl::unexpected(versions.error());
-  const auto machine = NewestStoredModel(*database, *part);
-  if (!machine) return tl::unexpected(machine.error());
-  auto next = make_next(*machine, change.effect, NextVersion("", *machine));
-  if (!next) return tl::unexpected(next.error());
-  auto evidence = change.logs.empty() ? OnStrokes(*database, change, {*part}, *machine, *next)
-                                      : OnLogs(change, *machine, *next);
-  if (!evidence) return tl::unexpected(evidence.error());
-  AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
+  auto database = TRY(Database::Open(change.history.db));
+  const auto part = TRY(OneMachine(database, change.history, ""));
+  const auto versions = TRY(database.ModelVersions(part.id));
+  const auto machine = TRY(NewestStoredModel(database, part));
+  auto next = TRY(make_next(machine, change.effect, NextVersion("", machine)));
+  auto evidence = TRY(change.logs.empty() ? OnStrokes(database, change, {part}, machine, next)
+                                          : OnLogs(change, machine, next));
+  AddRecords(machine, evidence.before, evidence.next, change.name, next);
   const auto stored =
-      StoreModel(*database, part->id, EditedMachineText(versions->back().definition, *next), *next);
-  if (!stored) return tl::unexpected(stored.error());
+      TRY(StoreModel(database, part.id, EditedMachineText(versions.back().definition, next), next));
   ModelChanged changed{
-      *next,
+      next,
       fmt::format("{}: model version {} of {}, {}\n{}\nMake it the model of replay and monitor: hydroscope "
                   "model promote --db {}\n",
-                  change.history.db, *stored, part->machine, next->model_history.back().name,
-                  LastStepText(*next), change.history.db),
+                  change.history.db, stored, part.machine, next.model_history.back().name, LastStepText(next),
+                  change.history.db),
       change.history.db, false};
-  TellError(*machine, *next, *evidence, change.effect, changed);
+  TellError(machine, next, evidence, change.effect, changed);
   return changed;
 }
 
 }  // namespace
 
 Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& part) {
-  const auto versions = database.ModelVersions(part.id);
-  if (!versions) return tl::unexpected(versions.error());
-  if (versions->empty())
+  const auto versions = TRY(database.ModelVersions(part.id));
+  if (versions.empty())
     return BadInput(Tell("machine {} has no model in the database yet",
                          "Maschine {} hat in der Datenbank noch kein Modell", part.machine));
-  return ParseMachine(versions->back().definition, part.machine);
+  return ParseMachine(versions.back().definition, part.machine);
 }
 
 Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next) {
@@ -243,54 +210,43 @@ Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next) 
 }
 
 Result<ModelChanged> UndoModel(const std::string& machine_file) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
+  const auto machine = TRY(LoadMachine(machine_file));
   std::vector<KeptVersion> kept = KeptVersions(machine_file);
-  std::erase_if(kept, [&](const KeptVersion& v) { return v.version >= machine->model_version; });
+  std::erase_if(kept, [&](const KeptVersion& v) { return v.version >= machine.model_version; });
   if (kept.empty())
     return BadInput(Tell("{}: no version before {} is kept beside it",
                          "{}: keine Version vor {} ist daneben aufbewahrt", machine_file,
-                         machine->model_version));
-  const auto beside = RestoreVersion(machine_file, machine->model_version, kept.back());
-  if (!beside) return tl::unexpected(beside.error());
-  const auto restored = LoadMachine(machine_file);
-  if (!restored) return tl::unexpected(restored.error());
+                         machine.model_version));
+  const auto beside = TRY(RestoreVersion(machine_file, machine.model_version, kept.back()));
+  const auto restored = TRY(LoadMachine(machine_file));
   return ModelChanged{
-      *restored,
+      restored,
       fmt::format("{}: again model version {}, byte for byte\nThe version taken back is kept as {}\n",
-                  machine_file, restored->model_version, *beside),
+                  machine_file, restored.model_version, beside),
       machine_file, true};
 }
 
 Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::string& machine_file,
                                   Promotion promotion) {
-  auto database = Database::Open(history.db);
-  if (!database) return tl::unexpected(database.error());
+  auto database = TRY(Database::Open(history.db));
   if (!machine_file.empty()) {
-    const auto machine = LoadMachine(machine_file);
-    if (!machine) return tl::unexpected(machine.error());
-    const auto id = database->MachineId(machine->name);
-    if (!id) return tl::unexpected(id.error());
-    promotion.machine = machine->name;
-    promotion.id = *id;
-    auto text = ReadTextFile(machine_file);
-    if (!text) return tl::unexpected(text.error());
-    promotion.text = std::move(*text);
+    const auto machine = TRY(LoadMachine(machine_file));
+    const auto id = TRY(database.MachineId(machine.name));
+    promotion.machine = machine.name;
+    promotion.id = id;
+    promotion.text = TRY(ReadTextFile(machine_file));
   } else {
-    const auto part = OneMachine(*database, history, "");
-    if (!part) return tl::unexpected(part.error());
-    promotion.machine = part->machine;
-    promotion.id = part->id;
-    const auto versions = database->ModelVersions(part->id);
-    if (!versions) return tl::unexpected(versions.error());
-    if (promotion.version == 0 && !versions->empty()) promotion.version = versions->back().version;
+    const auto part = TRY(OneMachine(database, history, ""));
+    promotion.machine = part.machine;
+    promotion.id = part.id;
+    const auto versions = TRY(database.ModelVersions(part.id));
+    if (promotion.version == 0 && !versions.empty()) promotion.version = versions.back().version;
   }
-  const auto promoted = Promote(*database, history.db, promotion);
-  if (!promoted) return tl::unexpected(promoted.error());
+  const auto promoted = TRY(Promote(database, history.db, promotion));
   return ModelChanged{
-      promoted->machine,
+      promoted.machine,
       fmt::format("{}: version {} of {} ({}) is the model of replay and monitor now\n", history.db,
-                  promoted->version, promotion.machine, ModelName(promoted->machine)),
+                  promoted.version, promotion.machine, ModelName(promoted.machine)),
       history.db, false};
 }
 

@@ -50,7 +50,7 @@ Result<std::string> KeepBeside(const std::string& path, int version) {
   const std::string kept = (target.parent_path() / fmt::format("{}.v{}{}", target.stem().string(), version,
                                                                target.extension().string()))
                                .string();
-  if (const Status written = WriteTextFile(kept, *text); !written) return tl::unexpected(written.error());
+  TRY(WriteTextFile(kept, *text));
   return kept;
 }
 
@@ -86,16 +86,14 @@ Result<Machine> WithEffect(const Machine& machine, const std::string& id, int ve
   Machine next = machine;
   next.added_effects.push_back(id);
   if (KindOf(machine).has_states) {
-    if (const auto model = BuildStateModel(next, next.added_effects); !model)
-      return tl::unexpected(model.error());
+    TRY(BuildStateModel(next, next.added_effects));
     next.model_version = version;
     return next;
   }
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  ModelStructure library = **model;
+  const auto model = TRY(BuildModel(machine));
+  ModelStructure library = *model;
   AddSampleEffects(library, {id});
-  if (const auto effect = FindEffect(library, id); !effect) return tl::unexpected(effect.error());
+  TRY(FindEffect(library, id));
   next.model_version = version;
   return next;
 }
@@ -206,25 +204,20 @@ std::optional<KeptVersion> FindKept(const std::string& path, const Machine& mach
 
 Result<std::string> WriteVersion(const std::string& from, const std::string& path, int version_before,
                                  const Machine& next) {
-  const auto text = ReadTextFile(from);
-  if (!text) return tl::unexpected(text.error());
+  const auto text = TRY(ReadTextFile(from));
   std::string kept;
   if (std::filesystem::exists(path)) {
-    const auto name = KeepBeside(path, version_before);
-    if (!name) return tl::unexpected(name.error());
-    kept = *name;
+    kept = TRY(KeepBeside(path, version_before));
   }
-  if (const Status written = WriteTextFile(path, EditedMachineText(*text, next)); !written)
-    return tl::unexpected(written.error());
+  TRY(WriteTextFile(path, EditedMachineText(text, next)));
   return kept;
 }
 
 Result<std::string> RestoreVersion(const std::string& path, int version_before, const KeptVersion& kept) {
-  const auto text = ReadTextFile(kept.path);
-  if (!text) return tl::unexpected(text.error());
+  const auto text = TRY(ReadTextFile(kept.path));
   const auto name = KeepBeside(path, version_before);
   if (!name) return name;
-  if (const Status written = WriteTextFile(path, *text); !written) return tl::unexpected(written.error());
+  TRY(WriteTextFile(path, text));
   return *name;
 }
 

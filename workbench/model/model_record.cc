@@ -48,9 +48,8 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, con
     return BadInput(Tell("{}: {} inside the gate, expected at least {} to judge a model on",
                          "{}: {} im Gate, erwartet: mindestens {}, um ein Modell daran zu beurteilen", source,
                          CountedWordsOf(machine).CountedTold(strokes.stretches.size()), kMinExplainStrokes));
-  const auto model = FitMachineModel(strokes);
-  if (!model) return tl::unexpected(model.error());
-  return Evidence(machine, *model, source, static_cast<std::int64_t>(strokes.stretches.size()));
+  const auto model = TRY(FitMachineModel(strokes));
+  return Evidence(machine, model, source, static_cast<std::int64_t>(strokes.stretches.size()));
 }
 
 Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory& history) {
@@ -61,10 +60,9 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
   auto structure = std::make_shared<ModelStructure>(*history.model);
   std::vector<int> effects;
   for (const std::string& id : machine.added_effects) {
-    const auto effect = FindEffect(*structure, id);
-    if (!effect) return tl::unexpected(effect.error());
-    effects.push_back(*effect);
-    AddInterpolatedShapes(*structure, *effect);
+    const auto effect = TRY(FindEffect(*structure, id));
+    effects.push_back(effect);
+    AddInterpolatedShapes(*structure, effect);
   }
   const StrokeSet strokes(structure, history.units, history.window);
   std::vector<EffectChoice> choices;
@@ -91,9 +89,8 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, const StrokeHistory& hi
     return BadInput(Tell("{}: {}, expected at least {} to judge a model on",
                          "{}: {}, erwartet mindestens {}, um ein Modell zu beurteilen", history.database,
                          CountedWordsOf(machine).CountedTold(history.units.size()), kMinExplainStrokes));
-  const auto model = FitHistoryModel(machine, history);
-  if (!model) return tl::unexpected(model.error());
-  return Evidence(machine, *model, history.database, history.strokes());
+  const auto model = TRY(FitHistoryModel(machine, history));
+  return Evidence(machine, model, history.database, history.strokes());
 }
 
 }  // namespace hydroscope

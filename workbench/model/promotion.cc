@@ -12,30 +12,25 @@ namespace {
 
 /// Whether a run can begin with it. Error: why not.
 Status CanBeRecorded(const Machine& machine) {
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
+  const auto model = TRY(BuildModel(machine));
   if (InEpisodes(KindOf(machine))) return {};
-  const auto wide = AddedEffectsEstimator::ModelWithValues(machine, **model);
+  const auto wide = AddedEffectsEstimator::ModelWithValues(machine, *model);
   return wide ? Status() : tl::unexpected(wide.error());
 }
 
 Result<std::string> TextOf(const Database& database, const Promotion& promotion) {
   if (!promotion.text.empty()) return promotion.text;
-  const auto version = database.GetModelVersion(promotion.id, promotion.version);
-  if (!version) return tl::unexpected(version.error());
-  return version->definition;
+  const auto version = TRY(database.GetModelVersion(promotion.id, promotion.version));
+  return version.definition;
 }
 
 /// The machine as its last run recorded it lacks nothing; true of one without runs.
 Status FitsLastRun(const Database& database, const Promotion& promotion, const Machine& model) {
-  const auto runs = database.Runs(promotion.id);
-  if (!runs) return tl::unexpected(runs.error());
-  if (runs->empty()) return CanBeRecorded(model);
-  const auto last = database.GetModelVersion(promotion.id, runs->back().model_version);
-  if (!last) return tl::unexpected(last.error());
-  const auto recorded = ParseMachine(last->definition, promotion.machine);
-  if (!recorded) return tl::unexpected(recorded.error());
-  if (const auto next = WithModelOf(*recorded, model); !next)
+  const auto runs = TRY(database.Runs(promotion.id));
+  if (runs.empty()) return CanBeRecorded(model);
+  const auto last = TRY(database.GetModelVersion(promotion.id, runs.back().model_version));
+  const auto recorded = TRY(ParseMachine(last.definition, promotion.machine));
+  if (const auto next = WithModelOf(recorded, model); !next)
     return BadInput(Tell("{} cannot be watched with this model: {}",
                          "{} kann mit diesem Modell nicht überwacht werden: {}", promotion.machine,
                          ToldOf(next.error())));
@@ -53,45 +48,38 @@ Result<Machine> WithModelOf(const Machine& machine, const Machine& model) {
   Machine with_own_effects = next;
   with_own_effects.user_effects = model.user_effects;
   if (with_own_effects == model) next = std::move(with_own_effects);
-  if (const Status can = CanBeRecorded(next); !can) return tl::unexpected(can.error());
+  TRY(CanBeRecorded(next));
   return next;
 }
 
 Result<int> StoreModel(Database& database, std::int64_t id, const std::string& text, const Machine& machine) {
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  return database.PutModelVersion(id, {0, text, (*model)->ColumnNames(), 0, (*model)->ConditionNames()});
+  const auto model = TRY(BuildModel(machine));
+  return database.PutModelVersion(id, {0, text, model->ColumnNames(), 0, model->ConditionNames()});
 }
 
 Result<Promoted> Promote(Database& database, const std::string& path, const Promotion& promotion) {
-  const auto text = TextOf(database, promotion);
-  if (!text) return tl::unexpected(text.error());
-  const auto machine = ParseMachine(*text, promotion.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  if (const Status fits = FitsLastRun(database, promotion, *machine); !fits)
-    return tl::unexpected(fits.error());
-  const auto strokes = database.EndSequence(promotion.id);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const auto version = promotion.text.empty() ? Result<int>(promotion.version)
-                                              : StoreModel(database, promotion.id, promotion.text, *machine);
-  if (!version) return tl::unexpected(version.error());
-  if (const Status promoted = database.PromoteModel(promotion.id, *version); !promoted)
-    return tl::unexpected(promoted.error());
+  const auto text = TRY(TextOf(database, promotion));
+  const auto machine = TRY(ParseMachine(text, promotion.machine));
+  TRY(FitsLastRun(database, promotion, machine));
+  const auto strokes = TRY(database.EndSequence(promotion.id));
+  const auto version =
+      TRY(promotion.text.empty() ? Result<int>(promotion.version)
+                                 : StoreModel(database, promotion.id, promotion.text, machine));
+  TRY(database.PromoteModel(promotion.id, version));
   auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(path));
-  if (!journal) return Promoted{*machine, *version};  // nothing is judged here
-  const Status told = journal->Change(promotion.machine, promotion.wall, [&](AxisContent& axis) -> Status {
+  if (!journal) return Promoted{machine, version};  // nothing is judged here
+  TRY(journal->Change(promotion.machine, promotion.wall, [&](AxisContent& axis) -> Status {
     AlarmEvent event;
     event.event = "model_promoted";
-    event.stroke = *strokes;
-    event.model_version = *version;
+    event.stroke = strokes;
+    event.model_version = version;
     event.user = promotion.user;
     event.comment = promotion.comment;
-    event.text = fmt::format("model version {}: {}", *version, ModelName(*machine));
+    event.text = fmt::format("model version {}: {}", version, ModelName(machine));
     axis.events.push_back(std::move(event));
     return {};
-  });
-  if (!told) return tl::unexpected(told.error());
-  return Promoted{*machine, *version};
+  }));
+  return Promoted{machine, version};
 }
 
 }  // namespace hydroscope

@@ -138,11 +138,10 @@ StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
 
 Result<StatesFit> FitEpisodes(EpisodeLog log) {
   LinearStart start = StartOf(log.machine, log.episodes);
-  const auto model = BuildStateModel(start.machine, log.machine.added_effects);
-  if (!model) return tl::unexpected(model.error());
+  const auto model = TRY(BuildStateModel(start.machine, log.machine.added_effects));
   StatesFit out;
   out.linear = std::move(start.fit);
-  out.fit = FitStates(*model, log.episodes, start.options);
+  out.fit = FitStates(model, log.episodes, start.options);
   if (!out.fit.solved())
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", log.machine.name, out.fit.failed));
   out.left = JudgedRemainder(out.fit, log.episodes, start.options);
@@ -175,28 +174,24 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
 
 Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                 const std::string& hold_out) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto chosen = ChooseLogs(logs, hold_out);
-  if (!chosen) return tl::unexpected(chosen.error());
-  auto log = ReadEpisodes(chosen->fitted, *machine);
-  if (!log) return tl::unexpected(log.error());
-  auto out = FitEpisodes(std::move(*log));
-  if (!out || chosen->held_out.empty()) return out;
-  const auto other = ReadEpisodes({chosen->held_out}, *machine);
-  if (!other) return tl::unexpected(other.error());
+  const auto machine = TRY(LoadMachine(machine_file));
+  const auto chosen = TRY(ChooseLogs(logs, hold_out));
+  auto log = TRY(ReadEpisodes(chosen.fitted, machine));
+  auto out = FitEpisodes(std::move(log));
+  if (!out || chosen.held_out.empty()) return out;
+  const auto other = TRY(ReadEpisodes({chosen.held_out}, machine));
   const StateFit& fitted = out->prediction ? *out->prediction : out->fit;
-  const StateFit followed = FollowStates(fitted.model, other->episodes, fitted.parameters, out->fit.noise);
-  if (!followed.solved()) return BadInput(Tell("{}: {}", "{}: {}", chosen->held_out, followed.failed));
+  const StateFit followed = FollowStates(fitted.model, other.episodes, fitted.parameters, out->fit.noise);
+  if (!followed.solved()) return BadInput(Tell("{}: {}", "{}: {}", chosen.held_out, followed.failed));
   out->held_out =
       Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;
-  const HeldOutRun run = LookAtHeldOut(out->fit, out->log.episodes, followed, other->episodes);
-  for (Told& text : HeldOutTexts(run, *fitted.model, chosen->held_out))
+  const HeldOutRun run = LookAtHeldOut(out->fit, out->log.episodes, followed, other.episodes);
+  for (Told& text : HeldOutTexts(run, *fitted.model, chosen.held_out))
     out->log.warnings.push_back(std::move(text));
-  if (const auto begins = FindOtherBeginningHeldOut(fitted, other->episodes))
-    out->log.warnings.push_back(OtherBeginningText(*begins, Told(chosen->held_out)));
-  out->held_out_log = chosen->held_out;
-  out->held_out_episodes = static_cast<int>(other->episodes.size());
+  if (const auto begins = FindOtherBeginningHeldOut(fitted, other.episodes))
+    out->log.warnings.push_back(OtherBeginningText(*begins, Told(chosen.held_out)));
+  out->held_out_log = chosen.held_out;
+  out->held_out_episodes = static_cast<int>(other.episodes.size());
   return out;
 }
 
@@ -209,11 +204,9 @@ Result<StatesFit> CompareStatesLogs(const std::vector<std::string>& logs, const 
 
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file) {
-  const auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  auto log = ReadEpisodes(logs, *machine);
-  if (!log) return tl::unexpected(log.error());
-  auto out = ExplainReadEpisodes(std::move(*log));
+  const auto machine = TRY(LoadMachine(machine_file));
+  auto log = TRY(ReadEpisodes(logs, machine));
+  auto out = ExplainReadEpisodes(std::move(log));
   if (out) out->target = "--machine " + machine_file;
   return out;
 }

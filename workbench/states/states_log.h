@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/records.h"
+#include "core/records/estimate.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/missing_sensors.h"

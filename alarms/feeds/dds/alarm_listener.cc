@@ -86,29 +86,26 @@ class DdsListener : public AlarmListener {
 }  // namespace
 
 Result<std::unique_ptr<AlarmListener>> AlarmListener::Create(int domain) {
-  auto participant = DdsParticipant::Create({.domain = domain,
-                                             .udp = true,
-                                             .shared_memory = false,
-                                             .interfaces = {"127.0.0.1"},
-                                             .peers = {},
-                                             .section = "feeds.dds"},
-                                            "campaign");
-  if (!participant) return tl::unexpected(participant.error());
-  const auto topic = (*participant)
-                         ->MakeTopic(std::string(kTopic) + "/alarms",
-                                     TypeSupport(new hydroscope_wire::AlarmEventPubSubType()));
-  if (!topic) return tl::unexpected(topic.error());
-  const auto findings_topic = (*participant)
-                                  ->MakeTopic(std::string(kTopic) + "/findings",
-                                              TypeSupport(new hydroscope_wire::FindingPubSubType()));
-  if (!findings_topic) return tl::unexpected(findings_topic.error());
-  Subscriber* subscriber = (*participant)->get()->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
+  auto participant = TRY(DdsParticipant::Create({.domain = domain,
+                                                 .udp = true,
+                                                 .shared_memory = false,
+                                                 .interfaces = {"127.0.0.1"},
+                                                 .peers = {},
+                                                 .section = "feeds.dds"},
+                                                "campaign"));
+  const auto topic = TRY((participant)
+                             ->MakeTopic(std::string(kTopic) + "/alarms",
+                                         TypeSupport(new hydroscope_wire::AlarmEventPubSubType())));
+  const auto findings_topic = TRY((participant)
+                                      ->MakeTopic(std::string(kTopic) + "/findings",
+                                                  TypeSupport(new hydroscope_wire::FindingPubSubType())));
+  Subscriber* subscriber = participant->get()->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   DataReader* reader =
-      subscriber != nullptr ? subscriber->create_datareader(*topic, AlarmEventReaderQos()) : nullptr;
+      subscriber != nullptr ? subscriber->create_datareader(topic, AlarmEventReaderQos()) : nullptr;
   DataReader* findings =
-      reader != nullptr ? subscriber->create_datareader(*findings_topic, FindingReaderQos()) : nullptr;
+      reader != nullptr ? subscriber->create_datareader(findings_topic, FindingReaderQos()) : nullptr;
   if (findings == nullptr) return InternalError("DDS gives no reader for topic {}/alarms", kTopic);
-  return std::make_unique<DdsListener>(std::move(*participant), reader, findings);
+  return std::make_unique<DdsListener>(std::move(participant), reader, findings);
 }
 
 }  // namespace hydroscope

@@ -102,25 +102,22 @@ bool Same(AlarmState a, AlarmState b) {
 class Publication {
  public:
   static Result<std::unique_ptr<Publication>> Create(const DdsFeedSpec& spec) {
-    auto participant = DdsParticipant::Create({.domain = spec.domain,
-                                               .udp = spec.transport != DdsTransport::kSharedMemory,
-                                               .shared_memory = spec.transport != DdsTransport::kUdp,
-                                               .interfaces = spec.interfaces,
-                                               .peers = spec.peers,
-                                               .security = spec.security,
-                                               .section = "feeds.dds"},
-                                              "hydroscope_alarms");
-    if (!participant) return tl::unexpected(participant.error());
+    auto participant = TRY(DdsParticipant::Create({.domain = spec.domain,
+                                                   .udp = spec.transport != DdsTransport::kSharedMemory,
+                                                   .shared_memory = spec.transport != DdsTransport::kUdp,
+                                                   .interfaces = spec.interfaces,
+                                                   .peers = spec.peers,
+                                                   .security = spec.security,
+                                                   .section = "feeds.dds"},
+                                                  "hydroscope_alarms"));
     std::unique_ptr<Publication> made(new Publication);
-    made->participant_ = std::move(*participant);
-    const auto events = made->MakeWriter(spec.topic + "/alarms", AlarmEventWriterQos(),
-                                         TypeSupport(new hydroscope_wire::AlarmEventPubSubType()));
-    if (!events) return tl::unexpected(events.error());
-    const auto findings = made->MakeWriter(spec.topic + "/findings", FindingWriterQos(),
-                                           TypeSupport(new hydroscope_wire::FindingPubSubType()));
-    if (!findings) return tl::unexpected(findings.error());
-    made->events_ = *events;
-    made->findings_ = *findings;
+    made->participant_ = std::move(participant);
+    const auto events = TRY(made->MakeWriter(spec.topic + "/alarms", AlarmEventWriterQos(),
+                                             TypeSupport(new hydroscope_wire::AlarmEventPubSubType())));
+    const auto findings = TRY(made->MakeWriter(spec.topic + "/findings", FindingWriterQos(),
+                                               TypeSupport(new hydroscope_wire::FindingPubSubType())));
+    made->events_ = events;
+    made->findings_ = findings;
     return made;
   }
 
@@ -146,10 +143,9 @@ class Publication {
                          kMostFindings);
   }
   Result<DataWriter*> MakeWriter(const std::string& name, const DataWriterQos& qos, const TypeSupport& type) {
-    const auto topic = participant_->MakeTopic(name, type);
-    if (!topic) return tl::unexpected(topic.error());
+    const auto topic = TRY(participant_->MakeTopic(name, type));
     Publisher* publisher = participant_->get()->create_publisher(PUBLISHER_QOS_DEFAULT);
-    DataWriter* writer = publisher != nullptr ? publisher->create_datawriter(*topic, qos) : nullptr;
+    DataWriter* writer = publisher != nullptr ? publisher->create_datawriter(topic, qos) : nullptr;
     if (writer == nullptr) return InternalError("DDS gives no writer for topic {}", name);
     return writer;
   }
@@ -181,39 +177,35 @@ class DdsFeed : public Feed {
 
  private:
   Status Round() {
-    if (const Status open = Open(); !open) return open;
+    TRY(Open());
     const auto rows = reader_.Rows(cursor_, kRowsAtOnce);
     if (!rows) {
       static_cast<void>(TellFindings(true));  // health is told all the same
       return tl::unexpected(rows.error());
     }
     for (const JournalRow& row : *rows) {
-      if (const Status told = publication_->Write(row); !told) return told;
+      TRY(publication_->Write(row));
       cursor_ = row.sequence;
     }
-    if (const Status told = TellFindings(!rows->empty()); !told) return told;
-    const auto last = reader_.LastSequence();
-    if (!last) return tl::unexpected(last.error());
-    if (*last > cursor_) loop_.Wake();
+    TRY(TellFindings(!rows->empty()));
+    const auto last = TRY(reader_.LastSequence());
+    if (last > cursor_) loop_.Wake();
     std::lock_guard lock(mutex_);
     status_ = {.name = {},
                .connected = true,
                .state = {"publishing", "sendet"},
                .clients = publication_->readers(),
                .delivered = cursor_,
-               .behind = *last - cursor_,
+               .behind = last - cursor_,
                .errors = 0};
     return {};
   }
 
   Status Open() {
     if (publication_) return {};
-    const auto last = reader_.LastSequence();
-    if (!last) return tl::unexpected(last.error());
-    auto publication = Publication::Create(spec_);
-    if (!publication) return tl::unexpected(publication.error());
-    publication_ = std::move(*publication);
-    cursor_ = std::max<std::int64_t>(0, *last - kBacklog);
+    const auto last = TRY(reader_.LastSequence());
+    publication_ = TRY(Publication::Create(spec_));
+    cursor_ = std::max<std::int64_t>(0, last - kBacklog);
     return {};
   }
 
@@ -222,14 +214,13 @@ class DdsFeed : public Feed {
     const std::int64_t now = clock_().monotonic_ns;
     if (!news && now - pictured_ < kPicturePeriod) return {};
     pictured_ = now;
-    auto axes = reader_.Axes();
-    if (!axes) return tl::unexpected(axes.error());
-    for (AxisPicture& axis : *axes) {
+    auto axes = TRY(reader_.Axes());
+    for (AxisPicture& axis : axes) {
       axis.alarms.push_back(HealthAsAlarm(axis.health));
       for (const AlarmState& alarm : axis.alarms) {
         Told& told = told_[{axis.machine, alarm.id}];
         if (told.health == axis.health && Same(told.alarm, alarm)) continue;
-        if (const Status written = publication_->Write(axis, alarm); !written) return written;
+        TRY(publication_->Write(axis, alarm));
         told = {axis.health, alarm};
       }
     }

@@ -57,7 +57,7 @@ class ModbusFeed : public Feed {
  private:
   /// Health is shown whatever the journal says, and the heartbeat goes on.
   Status Round() {
-    if (const Status open = Open(); !open) return open;
+    TRY(Open());
     Status done = StoreAcknowledgements();
     auto rows = reader_.Rows(cursor_, register_map::kRingRecords);
     if (!rows) done = tl::unexpected(rows.error());
@@ -65,9 +65,7 @@ class ModbusFeed : public Feed {
     std::vector<AxisPicture> axes;
     const bool news = !rows || !rows->empty() || now.monotonic_ns - pictured_ >= kPicturePeriod;
     if (news) {
-      auto read = reader_.Axes();
-      if (!read) return tl::unexpected(read.error());
-      axes = std::move(*read);
+      axes = TRY(reader_.Axes());
       pictured_ = now.monotonic_ns;
     }
     std::lock_guard lock(mutex_);
@@ -87,18 +85,15 @@ class ModbusFeed : public Feed {
   /// Once: numbers of the alarms the journal knows, the ring's newest rows, then the port.
   Status Open() {
     if (listener_) return {};
-    const auto alarms = reader_.AlarmsByAppearance();
-    if (!alarms) return tl::unexpected(alarms.error());
-    const auto last = reader_.LastSequence();
-    if (!last) return tl::unexpected(last.error());
-    auto listener = ModbusListener::Open(
-        spec_, [this](const std::string& client, const auto& answer) { Answer(client, answer); }, clock_);
-    if (!listener) return tl::unexpected(listener.error());
+    const auto alarms = TRY(reader_.AlarmsByAppearance());
+    const auto last = TRY(reader_.LastSequence());
+    auto listener = TRY(ModbusListener::Open(
+        spec_, [this](const std::string& client, const auto& answer) { Answer(client, answer); }, clock_));
     std::lock_guard lock(mutex_);
-    for (const auto& [machine, alarm] : *alarms) numbers_.Add(machine, alarm);
-    cursor_ = std::max<std::int64_t>(0, *last - register_map::kRingRecords);
-    last_ = *last;
-    listener_ = std::move(*listener);
+    for (const auto& [machine, alarm] : alarms) numbers_.Add(machine, alarm);
+    cursor_ = std::max<std::int64_t>(0, last - register_map::kRingRecords);
+    last_ = last;
+    listener_ = std::move(listener);
     return {};
   }
 

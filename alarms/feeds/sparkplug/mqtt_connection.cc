@@ -126,8 +126,7 @@ class Connection : public MqttConnection, public mqtt::callback, public mqtt::ia
 }  // namespace
 
 Result<std::unique_ptr<MqttConnection>> MqttConnection::Open(const MqttOptions& options, Listener listener) {
-  if (const Status readable = Readable(options.certificates); !readable)
-    return tl::unexpected(readable.error());
+  TRY(Readable(options.certificates));
   try {
     auto connection = std::make_unique<Connection>(options, std::move(listener));
     if (const Status connected = connection->Connect(options); !connected) {

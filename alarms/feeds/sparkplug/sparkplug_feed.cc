@@ -29,8 +29,7 @@ constexpr std::int64_t kMostUnacknowledged = 400;       // messages the broker h
 Result<std::string> FirstLine(const std::string& path) {
   std::string line;
   if (path.empty()) return line;
-  if (const Status secret = CheckSecret(path, "[feeds.sparkplug] password_file"); !secret)
-    return tl::unexpected(secret.error());
+  TRY(CheckSecret(path, "[feeds.sparkplug] password_file"));
   std::ifstream file(path);
   if (!std::getline(file, line))
     return BadInput("[feeds.sparkplug] password_file = \"{}\" cannot be read, or is empty", path);
@@ -90,22 +89,21 @@ class SparkplugFeed : public Feed {
     if (!connection_ || !connection_->IsConnected()) {
       DropConnection();
       if (!short_.MayBegin(Now())) return {};
-      if (const Status connected = Connect(); !connected) return connected;
+      TRY(Connect());
     }
     TakeHostState();
     if (!host_.online()) {
       if (born_) Disconnect();  // nobody hears us: what happens now waits in the outbox
       return {};
     }
-    if (!born_)
-      if (const Status begun = BeginSession(); !begun) return begun;
+    if (!born_) TRY(BeginSession());
     if (const std::int64_t now = Now(); rebirth_ && now - reborn_ >= kRebirthPeriod) {
       rebirth_ = false;
       reborn_ = now;
-      if (const Status born = Births(); !born) return born;
+      TRY(Births());
     }
-    if (const Status told = TellAxes(); !told) return told;
-    if (const Status sent = SendItems(); !sent) return sent;
+    TRY(TellAxes());
+    TRY(SendItems());
     if (const Status removed = RemoveAcknowledged(); !removed) stored_ = removed;
     return {};
   }
@@ -113,56 +111,46 @@ class SparkplugFeed : public Feed {
   /// Journal -> outbox, with or without a broker.
   Status Fill() {
     if (!outbox_) {
-      auto opened = Outbox::Open(outbox_path_);
-      if (!opened) return tl::unexpected(opened.error());
-      outbox_ = std::move(*opened);
+      outbox_ = TRY(Outbox::Open(outbox_path_));
     }
-    const auto cursor = outbox_->Cursor();
-    if (!cursor) return tl::unexpected(cursor.error());
-    const auto waiting = outbox_->Count();
-    if (!waiting) return tl::unexpected(waiting.error());
-    cursor_ = *cursor;
-    if (*waiting >= kMostInOutbox) return {};
-    const auto rows = reader_.Rows(cursor_, kJournalRowsAtOnce);
-    if (!rows) return tl::unexpected(rows.error());
-    if (rows->empty()) return {};
+    const auto cursor = TRY(outbox_->Cursor());
+    const auto waiting = TRY(outbox_->Count());
+    cursor_ = cursor;
+    if (waiting >= kMostInOutbox) return {};
+    const auto rows = TRY(reader_.Rows(cursor_, kJournalRowsAtOnce));
+    if (rows.empty()) return {};
     std::vector<OutboxItem> items;
-    for (const JournalRow& row : *rows)
+    for (const JournalRow& row : rows)
       if (const int axis = reader_.AxisNumber(row.machine); axis > 0) {
         items.push_back({row.sequence, DeviceTopic("DDATA", row.machine), sparkplug::Event(row)});
         if (!row.event.alarm.empty()) spoken_of_[row.machine].insert(row.event.alarm);
       }
-    cursor_ = rows->back().sequence;
+    cursor_ = rows.back().sequence;
     return outbox_->Put(items, cursor_);
   }
 
   Status Connect() {
     if (!outbox_) return InternalError("{}: the outbox could not be opened", outbox_path_);
-    const auto password = FirstLine(spec_.password_file);
-    if (!password) return tl::unexpected(password.error());
-    const auto birth = outbox_->NextBirth();
-    if (!birth) return tl::unexpected(birth.error());
-    birth_death_ = *birth;
+    const auto password = TRY(FirstLine(spec_.password_file));
+    birth_death_ = TRY(outbox_->NextBirth());
     host_.Forget();
     {
       std::lock_guard lock(mutex_);
       acknowledged_.clear();
       host_states_.clear();
     }
-    auto opened = MqttConnection::Open(
+    connection_ = TRY(MqttConnection::Open(
         {.broker = spec_.broker,
          .client_id = ClientId(),
          .user = spec_.user,
-         .password = *password,
+         .password = password,
          .will = Death(),
          .certificates = {.ca = spec_.ca_file, .certificate = spec_.certificate_file, .key = spec_.key_file}},
         {.acknowledged = [this](std::int64_t id) { Acknowledged(id); },
          .arrived = [this](MqttMessage message) { Arrived(message); },
-         .lost = [this](const std::string& why) { Lost(why); }});
-    if (!opened) return tl::unexpected(opened.error());
-    connection_ = std::move(*opened);
+         .lost = [this](const std::string& why) { Lost(why); }}));
     short_.Begun(Now());
-    if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
+    TRY(connection_->Subscribe(NodeTopic("NCMD")));
     return host_.is_waited_for() ? connection_->Subscribe(host_.Topic()) : Status{};
   }
 
@@ -204,14 +192,11 @@ class SparkplugFeed : public Feed {
   }
 
   Status Births() {
-    auto axes = reader_.Axes();
-    if (!axes) return tl::unexpected(axes.error());
+    auto axes = TRY(reader_.Axes());
     const double wall = Wall();
     sequence_ = 0;
-    if (const Status born = Send(NodeTopic("NBIRTH"), sparkplug::NodeBirth(birth_death_, wall)); !born)
-      return born;
-    for (const AxisPicture& axis : *axes)
-      if (const Status born = BirthOf(axis, wall); !born) return born;
+    TRY(Send(NodeTopic("NBIRTH"), sparkplug::NodeBirth(birth_death_, wall)));
+    for (const AxisPicture& axis : axes) TRY(BirthOf(axis, wall));
     return {};
   }
 
@@ -232,9 +217,8 @@ class SparkplugFeed : public Feed {
     });
     if (!news && now - pictured_ < kPicturePeriod) return {};
     pictured_ = now;
-    const auto axes = reader_.Axes();
-    if (!axes) return tl::unexpected(axes.error());
-    for (const AxisPicture& axis : *axes) {
+    const auto axes = TRY(reader_.Axes());
+    for (const AxisPicture& axis : axes) {
       Announced& announced = announced_[axis.machine];
       const auto& spoken = spoken_of_[axis.machine];
       const bool unknown =
@@ -243,13 +227,11 @@ class SparkplugFeed : public Feed {
               [&](const TrendPoint& p) { return !announced.parameters.contains(p.estimate.parameter); }) ||
           !std::includes(announced.alarms.begin(), announced.alarms.end(), spoken.begin(), spoken.end());
       if (unknown) {
-        if (const Status born = BirthOf(axis, Wall()); !born) return born;
+        TRY(BirthOf(axis, Wall()));
       } else if (axis.strokes != announced.strokes || axis.health != announced.health) {
         announced.strokes = axis.strokes;
         announced.health = axis.health;
-        if (const Status told = Send(DeviceTopic("DDATA", axis.machine), sparkplug::DeviceData(axis, Wall()));
-            !told)
-          return told;
+        TRY(Send(DeviceTopic("DDATA", axis.machine), sparkplug::DeviceData(axis, Wall())));
       }
     }
     return {};
@@ -258,11 +240,10 @@ class SparkplugFeed : public Feed {
   /// Outbox -> broker in the order of the journal.
   Status SendItems() {
     if (in_flight_ >= kMostUnacknowledged) return {};
-    const auto items = outbox_->Items(sent_, kMostUnacknowledged - in_flight_);
-    if (!items) return tl::unexpected(items.error());
-    for (const OutboxItem& item : *items) {
+    const auto items = TRY(outbox_->Items(sent_, kMostUnacknowledged - in_flight_));
+    for (const OutboxItem& item : items) {
       const bool historical = item.sequence <= historical_up_to_;
-      if (const Status sent = Send(item.topic, item.payload, historical, item.sequence); !sent) return sent;
+      TRY(Send(item.topic, item.payload, historical, item.sequence));
       sent_ = item.sequence;
       ++in_flight_;
     }

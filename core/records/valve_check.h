@@ -20,8 +20,8 @@ struct ValveCheck {
   ValueWithStd bandwidth;          ///< Hz
   ValueWithStd phase_90;           ///< Hz; the database does not keep it
   double amplitude = 0;            ///< share of full command, median over the points used
-  double worst_distortion =
-      0;  ///< largest significant harmonic share of the response, 0...1; not kept either
+  /// Largest significant harmonic share of the response, 0...1; not kept either.
+  double worst_distortion = 0;
   double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean; NaN if not measured
   double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean; NaN if not measured
 };

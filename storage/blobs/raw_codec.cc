@@ -1,4 +1,4 @@
-#include "storage/raw_codec.h"
+#include "storage/blobs/raw_codec.h"
 
 #include <zlib.h>
 

@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "storage/gram_codec.h"
-#include "storage/raw_codec.h"
+#include "storage/blobs/gram_codec.h"
+#include "storage/blobs/raw_codec.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "storage/gram_codec.h"
+#include "storage/blobs/gram_codec.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "core/alarm_records.h"
+#include "core/records/alarm_records.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

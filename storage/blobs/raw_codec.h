@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 #include "core/result.h"
 
 namespace hydroscope {

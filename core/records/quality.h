@@ -25,10 +25,10 @@ inline constexpr Quality kDuplicate = 1 << 8;      ///< same sequence number or 
 inline constexpr Quality kOffsetDrift = 1 << 9;    ///< zero of the channel wandered off
 inline constexpr Quality kStale = 1 << 10;   ///< a held reading older than its channel allows (live only)
 inline constexpr Quality kFuture = 1 << 11;  ///< beyond what the sender's clock allows (live only)
-inline constexpr Quality kExpression = 1
-                                       << 12;  ///< an expression of the machine file is no finite number here
-inline constexpr Quality kInterpolated =
-    1 << 13;  ///< on a straight line that a logger drew between two readings
+/// An expression of the machine file is no finite number here.
+inline constexpr Quality kExpression = 1 << 12;
+/// On a straight line that a logger drew between two readings.
+inline constexpr Quality kInterpolated = 1 << 13;
 
 struct FlagName {
   Quality flag;

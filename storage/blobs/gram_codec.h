@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "core/records/stroke_gram.h"
 #include "core/result.h"
-#include "core/stroke_gram.h"
 
 namespace hydroscope {
 

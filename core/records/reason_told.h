@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/records.h"
+#include "core/records/estimate.h"
 #include "core/told.h"
 
 namespace hydroscope {

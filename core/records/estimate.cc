@@ -1,6 +1,6 @@
-#include "core/records.h"
+#include "core/records/estimate.h"
 
-#include "core/reason_told.h"
+#include "core/records/reason_told.h"
 
 namespace hydroscope {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/quality.h"
+#include "core/records/quality.h"
 
 namespace hydroscope {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/symmetric_matrix.h"
+#include "core/records/symmetric_matrix.h"
 
 namespace hydroscope {
 
