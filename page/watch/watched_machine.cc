@@ -13,6 +13,7 @@
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
+#include "storage/valve_check_words.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -137,7 +138,7 @@ Status WatchedMachine::ReadValveChecks() {
     const auto stroke = sources_.database.SequenceNear(id_, check.check.time);
     if (!stroke) return tl::unexpected(stroke.error());
     if (*stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", *stroke, check.outcome, check.detail});
+    marks_.push_back({"valve_check", *stroke, check.outcome, valve_check::ToldOf(check.detail)});
   }
   return {};
 }
