@@ -153,7 +153,8 @@ std::string ScadaAlarmValue(const ScadaAlarm& alarm) {
   const auto text = [&](double factor, double offset, std::string_view unit) {
     const double value = alarm.value * factor + offset;
     return fmt::format(
-        "{} {}", alarm.std > 0 ? WithInterval(value, kNormal95 * alarm.std * factor) : ShortNumber(value), unit);
+        "{} {}", alarm.std > 0 ? WithInterval(value, kNormal95 * alarm.std * factor) : ShortNumber(value),
+        unit);
   };
   if (const auto unit = UnitByName(alarm.name)) return text(unit->factor, unit->offset, unit->name);
   if (const auto unit = FactorByEffect(alarm.name)) return text(unit->first, 0, unit->second);

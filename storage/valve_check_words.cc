@@ -5,8 +5,8 @@
 namespace hydroscope::valve_check {
 
 Told Measured(std::size_t frequencies, double seconds, double harmonics) {
-  const Told measured =
-      Tell("{} frequencies, {:.1f} s recorded", "{} Frequenzen, {:.1f} s aufgezeichnet", frequencies, seconds);
+  const Told measured = Tell("{} frequencies, {:.1f} s recorded", "{} Frequenzen, {:.1f} s aufgezeichnet",
+                             frequencies, seconds);
   if (harmonics == 0) return measured;
   return Tell(
       "{}; up to {:.1f} % harmonics that the command does not have (limit, dead band or play): gain and frequency hold for this "

@@ -10,8 +10,9 @@ namespace hydroscope {
 /// goes on with (the reason of an error) stays English.
 namespace valve_check {
 
-inline constexpr Wording kBusy{"the controller refused: the machine is working or another sweep runs",
-                               "die Steuerung lehnte ab: die Maschine arbeitet, oder ein anderer Sweep läuft"};
+inline constexpr Wording kBusy{
+    "the controller refused: the machine is working or another sweep runs",
+    "die Steuerung lehnte ab: die Maschine arbeitet, oder ein anderer Sweep läuft"};
 inline constexpr Wording kNotAllowed{"the controller refused: it does not allow this axis or amplitude",
                                      "die Steuerung lehnte ab: sie erlaubt diese Achse oder Amplitude nicht"};
 inline constexpr Wording kBrokenOff{"the controller broke the sweep off; the machine began to work",
