@@ -212,12 +212,14 @@ Status Journal(const AlarmsArguments& a) {
     const AlarmEvent& e = row.event;
     if (!counted.contains(row.machine)) counted[row.machine] = CountedWordsIn(a.db, row.machine);
     document["journal"].push_back(JournalRowJson(row));
-    text += fmt::format("{:>6}  {}  {} {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
-                        counted[row.machine].one, e.stroke, Printable(row.machine),
-                        e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
-                        e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-                        e.user.empty() ? "" : " by " + Printable(e.user),
-                        e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
+    const std::string when = e.stroke < 0 ? "" : fmt::format("{} {}", counted[row.machine].one, e.stroke);
+    text +=
+        fmt::format("{:>6}  {}  {:<14} {} / {}: {}{}{}{}{}\n", row.sequence, LocalTimeText(row.wall), when,
+                    Printable(row.machine), e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
+                    e.alarm.empty() && !e.text.empty() ? ", " + Printable(e.text) : "",
+                    e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+                    e.user.empty() ? "" : " by " + Printable(e.user),
+                    e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
   }
   return Answer(text, document, a.json);
 }

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/alarm_records.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/short_number.h"
 #include "core/time_text.h"
 #include "host/output.h"
 #include "live/scada_client.h"
@@ -123,10 +125,12 @@ void Print(const Seen& seen, const std::string& endpoint) {
   Say("axes, their parameters with 95 % intervals\n");
   for (const ScadaAxis& axis : seen.axes) Say(AxisText(axis));
   Say(seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
-  for (const ScadaAlarm& a : seen.alarms)
-    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {}\n", a.number, a.state, a.severity,
+  for (const ScadaAlarm& a : seen.alarms) {
+    const std::string value = ScadaAlarmValue(a);
+    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}{}{}\n", a.number, a.state, a.severity,
                     AxisName(seen, a.axis), a.name, LocalTimeText(static_cast<double>(a.raised)),
-                    ScadaAlarmValue(a)));
+                    value.empty() ? "" : ", ", value));
+  }
   if (!seen.alarms.empty())
     Say("acknowledge with `hydroscope alarms --modbus " + endpoint + " --ack NUMBER`\n");
   Say(fmt::format("\nnewest of {} journal rows in the ring\n", seen.rows.size()));
@@ -142,9 +146,12 @@ void Print(const Seen& seen, const std::string& endpoint) {
 }  // namespace
 
 std::string ScadaAlarmValue(const ScadaAlarm& alarm) {
+  if (alarm.severity == SeverityName(AlarmSeverity::kSignalLoss)) return "";
   const auto text = [&](double factor, double offset, std::string_view unit) {
-    return fmt::format("{} {}", WithInterval(alarm.value * factor + offset, kNormal95 * alarm.std * factor),
-                       unit);
+    const double value = alarm.value * factor + offset;
+    return fmt::format(
+        "{} {}", alarm.std > 0 ? WithInterval(value, kNormal95 * alarm.std * factor) : ShortNumber(value),
+        unit);
   };
   if (const auto unit = UnitByName(alarm.name)) return text(unit->factor, unit->offset, unit->name);
   if (const auto unit = FactorByEffect(alarm.name)) return text(unit->first, 0, unit->second);

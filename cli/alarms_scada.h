@@ -7,7 +7,8 @@
 
 namespace hydroscope {
 
-/// Value and 95 % interval of an alarm in the unit that its name tells (the map carries SI numbers alone), else in SI.
+/// Value and 95 % interval of an alarm in the unit that its name tells (the map carries SI numbers alone), else in SI; "" of
+/// a loss of signals, which has none.
 std::string ScadaAlarmValue(const ScadaAlarm& alarm);
 
 /// What a SCADA system sees in the registers of the Modbus feed at "HOST:PORT": axes, alarms, the newest

@@ -9,6 +9,7 @@
 #include "estimation/frequency_response/frequency_response.h"
 #include "live/log.h"
 #include "models/machine_kind.h"
+#include "storage/valve_check_words.h"
 
 namespace hydroscope {
 namespace {
@@ -58,37 +59,29 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
   ValveCheck& measured = record.check;
   measured.time = begin;
   measured.amplitude = amplitude;
-  const auto ended = [&](const char* outcome, std::string detail) {
+  const auto ended = [&](const char* outcome, std::string_view detail) {
     record.outcome = outcome;
-    record.detail = std::move(detail);
+    record.detail = detail;
     return record;
   };
-  if (end == SweepStatus::kBusy)
-    return ended("refused", "the controller refused: the machine is working or another sweep runs");
-  if (end == SweepStatus::kRefused)
-    return ended("refused", "the controller refused: it does not allow this axis or amplitude");
-  if (end == SweepStatus::kBroken)
-    return ended("broken", "the controller broke the sweep off; the machine began to work");
-  if (end != SweepStatus::kDone)
-    return ended("no_answer", "the controller did not answer the request in time");
+  if (end == SweepStatus::kBusy) return ended("refused", valve_check::kBusy);
+  if (end == SweepStatus::kRefused) return ended("refused", valve_check::kNotAllowed);
+  if (end == SweepStatus::kBroken) return ended("broken", valve_check::kBrokenOff);
+  if (end != SweepStatus::kDone) return ended("no_answer", valve_check::kNoAnswer);
   measured.supply_pressure = Mean(rows, machine.SignalIndex(KindOf(machine).supply));
   measured.oil_temperature = Mean(rows, machine.SignalIndex(KindOf(machine).temperature));
   const auto response = MeasureFrequencyResponse(RecordOf(rows, machine));
   if (!response)
-    return ended("unusable", "the sweep ran, but its record tells nothing: " + response.error().text);
+    return ended("unusable",
+                 fmt::format("{}: {}", valve_check::kTellsNothing.english, response.error().text));
   const auto check = MakeValveCheck(*response, begin, measured.supply_pressure, measured.oil_temperature);
   if (!check)
     return ended("unusable",
-                 "the sweep ran, but no model fits its record: " + response->model_reason.english);
+                 fmt::format("{}: {}", valve_check::kNoModel.english, response->model_reason.english));
   measured = *check;
-  std::string detail = fmt::format("{} frequencies, {:.1f} s recorded", response->points.size(),
-                                   static_cast<double>(rows.rows()) * machine.live->grid_period);
-  if (check->worst_distortion > kNotableDistortion)
-    detail += fmt::format(
-        "; up to {:.1f} % harmonics that the command does not have (limit, dead band or play): gain and frequency hold for this "
-        "amplitude only",
-        100 * check->worst_distortion);
-  return ended("measured", std::move(detail));
+  const double recorded = static_cast<double>(rows.rows()) * machine.live->grid_period,
+               harmonics = check->worst_distortion > kNotableDistortion ? check->worst_distortion : 0;
+  return ended("measured", valve_check::Measured(response->points.size(), recorded, harmonics).english);
 }
 
 ValveChecks::ValveChecks(LiveService& service, const ValveCheckOptions& options, Clock clock)
@@ -175,7 +168,7 @@ void ValveChecks::Check(int axis) {
   ValveCheckRecord record = JudgeSweep(rows, machine_, end, begin, options_.amplitude);
   if (record.outcome == "no_answer" && !problem_.empty()) record.detail += ": " + problem_;
   LogInfo("valve_check", {{"axis", name}, {"outcome", record.outcome}, {"detail", record.detail}});
-  Note({fmt::format("{}: {}, {}", name, record.outcome, record.detail)});
+  Note(Tell("{}: {}", "{}: {}", name, valve_check::ToldOf(record.detail)));
   service_.AddValveCheck(axis, std::move(record));
   std::lock_guard lock(mutex_);
   const double pause = end == SweepStatus::kBusy ? options_.busy_retry : options_.period;
@@ -211,7 +204,7 @@ SweepStatus ValveChecks::Ask(int axis, double& begin) {
     if (*status != SweepStatus::kUndecided && !decided) {
       decided = true;
       problem_ = "it began the sweep and never told its end";
-      Note(Tell("{}: sweep running", "{}: Prüflauf im Gang", AxisMachineName(machine_, axis)));
+      Note(Tell("{}: sweep running", "{}: Sweep läuft", AxisMachineName(machine_, axis)));
     }
     if (!decided && waited > kAnswerTime) break;
   }

@@ -135,6 +135,7 @@ void LiveWriter::Trim() {
 void LiveWriter::Run() {
   static_cast<void>(database_->LeaveCheckpointsToPauses());  // if that fails the first step fails as well
   FetchMemory(BurstMemory(axes_.size()));
+  DiskHasRoom();  // known before anything is to be written
   std::unique_lock lock(mutex_);
   while (WaitForWork(lock)) {
     lock.unlock();

@@ -78,6 +78,11 @@ class LiveWriterTest : public testing::Test {
   std::unique_ptr<LiveWriter> writer_;
 };
 
+TEST_F(LiveWriterTest, TheDiskIsToldBeforeAnythingIsWritten) {
+  EXPECT_TRUE(Wait(10, [&] { return writer_->status().free_bytes > 0; }));
+  EXPECT_GT(writer_->status().database_bytes, 0);
+}
+
 TEST_F(LiveWriterTest, ALockThatACheckpointMeetsIsToldAsSoonAsOneThatAStepMeets) {
   constexpr double kLockSeen = 13;  // s; SQLite waits 10 s
   StoreStepsToACheckpoint();

@@ -44,8 +44,8 @@ std::vector<std::string> RuleRemarks(const drift::RuleBook& rules, const ModelSt
   // Of which it watches none, all are watched.
   if (!unwatched.empty() && unwatched.size() < parameters.size())
     remarks.push_back(fmt::format(
-        "{} leaves {} unwatched: a drift of it is not seen. To watch it: [watch] {} = {{ change = 0.05 }}",
-        rules.file, Listed(unwatched), unwatched.front()));
+        "{} leaves {} unwatched: a drift there is not seen. To watch {}: [watch] {} = {{ change = 0.05 }}",
+        rules.file, Listed(unwatched), unwatched.size() == 1 ? "it" : "the first", unwatched.front()));
   return remarks;
 }
 

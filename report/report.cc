@@ -68,11 +68,21 @@ struct Report {
   std::vector<ParameterWords> words;
   ReportVerdict verdict;
   CountedWords counted;
+  bool has_oil = true;
 };
+
+/// Of a machine that drives no oil, or is judged without its temperature, nothing is said about it.
+bool HasOil(const Machine& machine, const TrendAnalysis& analysis) {
+  const MachineKind& kind = KindOf(machine);
+  return std::isfinite(analysis.coldest) ||
+         (!kind.temperature.empty() && (!kind.own_library || machine.SignalIndex(kind.temperature) >= 0));
+}
 
 Report Prepare(const ReportInput& input) {
   Report report{input, AnalyseTrends(input), {}, {}, {}, CountedWordsOf(input.machine)};
-  for (const ParameterAnalysis& analysis : report.analysis.parameters) {
+  report.has_oil = HasOil(input.machine, report.analysis);
+  for (ParameterAnalysis& analysis : report.analysis.parameters) {
+    if (!report.has_oil) analysis.oil.outcome = OilOutcome::kNone;
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
     report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted, input.alarms));
@@ -174,7 +184,7 @@ std::string Tiles(const Report& report) {
               std::string(report.counted.many));
   out += Tile(FormatCount(report.input.rows), "rows read");
   out += TimeTile(report.input, analysis.duration, report.counted);
-  out += Tile(oil, "oil temperature");
+  if (report.has_oil) out += Tile(oil, "oil temperature");
   out += Tile(error, errors.floor > 0 ? "model error, rms; sensor noise alone: " + shown(errors.floor)
                                       : "model error, rms");
   return out + "</div>\n";
@@ -224,7 +234,8 @@ std::string Trends(const Report& report) {
     else
       pairs += "<div class=\"pair\">" + trend + Figure(oil, "") + "</div>\n";
   }
-  std::string out = fmt::format("<h2>Parameters over {} and over oil temperature</h2>", report.counted.many);
+  std::string out = fmt::format("<h2>Parameters over {}{}</h2>", report.counted.many,
+                                pairs.empty() ? "" : " and over oil temperature");
   if (pairs.empty() && trends.empty())
     return out + "<p>No parameter was identified, so there is nothing to draw.</p>\n";
   out += TrendsNote(report, !pairs.empty()) + pairs;
@@ -340,13 +351,13 @@ std::string Method(const Report& report) {
   out += Term("Model", fmt::format("{}, version {}; added effects: {}", EscapeText(machine.model),
                                    machine.model_version, effects.empty() ? "none" : effects));
   out += Term("Estimator", MethodText(machine));
-  out +=
-      Term("Intervals",
-           fmt::format(
-               "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
-               "their {0}, so changes and slopes over oil temperature are judged on blocks of consecutive "
-               "{0} that share none, each fitted by itself.",
-               report.counted.many));
+  out += Term(
+      "Intervals",
+      fmt::format(
+          "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
+          "their {0}, so changes{1} are judged on blocks of consecutive {0} that share none, each fitted "
+          "by itself.",
+          report.counted.many, report.has_oil ? " and slopes over oil temperature" : ""));
   out += Term("Noise floor",
               "The error that sensor noise alone would cause, sent through the same "
               "filters. Error above it is model error.");

@@ -130,7 +130,9 @@ std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysi
 
 std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis, const ParameterInfo& info) {
   const OilDependence& oil = analysis.oil;
-  if (oil.outcome == OilOutcome::kNotMeasured || oil.outcome == OilOutcome::kTooFewStrokes) return "";
+  if (oil.outcome == OilOutcome::kNone || oil.outcome == OilOutcome::kNotMeasured ||
+      oil.outcome == OilOutcome::kTooFewStrokes)
+    return "";
   SvgPlot::Options options;
   options.width = 350;
   options.title = AxisLabel(info) + " over oil temperature";

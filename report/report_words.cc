@@ -102,8 +102,10 @@ std::string BeyondText(const OilDependence& oil, const Scale& scale) {
 std::string OilText(const OilDependence& oil, const ParameterInfo& info, const CountedWords& counted) {
   const Scale scale = ScaleOf(info, oil);
   switch (oil.outcome) {
+    case OilOutcome::kNone:
+      return "";
     case OilOutcome::kNotMeasured:
-      return "oil temperature not measured";
+      return "not measured";
     case OilOutcome::kTooFewStrokes:
       return fmt::format("too few {} to ask", counted.many);
     case OilOutcome::kOilHardlyMoved:
@@ -191,6 +193,8 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
                            const CountedWords& counted) {
   const OilDependence& oil = analysis.oil;
   switch (oil.outcome) {
+    case OilOutcome::kNone:
+      return "It changed over the record.";
     case OilOutcome::kNotMeasured:
       return "It changed over the record. Whether the oil temperature did it "
              "cannot be told, as that was not measured.";
@@ -297,6 +301,11 @@ void AddOilSentence(std::vector<std::string>& out, const TrendAnalysis& analysis
     out.push_back(fmt::format("No dependence on the oil temperature is seen in {}.", JoinNames(not_seen)));
 }
 
+bool HasOil(const TrendAnalysis& analysis) {
+  return std::ranges::any_of(analysis.parameters,
+                             [](const auto& p) { return p.oil.outcome != OilOutcome::kNone; });
+}
+
 bool AnyChangeKnown(const TrendAnalysis& analysis) {
   return std::ranges::any_of(analysis.parameters, [](const auto& p) { return p.change.change.Known(); });
 }
@@ -317,7 +326,8 @@ std::string Headline(Standing worst, const TrendAnalysis& analysis, bool insepar
     case Standing::kWarned:
       return "A warning limit was crossed";
     case Standing::kChanged:
-      return "A parameter changed, and the oil temperature does not account for it";
+      return HasOil(analysis) ? "A parameter changed, and the oil temperature does not account for it"
+                              : "A parameter changed";
     case Standing::kHint:
       return "No clear change, but a hint worth watching";
     case Standing::kUnknown:
@@ -399,11 +409,11 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& ana
       out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),
                                 names.size() == 1 ? "its" : "their", text));
   if (!unexplained.empty())
-    out.push_back(
-        fmt::format("{} changed over the record by more than the oil temperature accounts for. What changed "
-                    "may be the machine, the oil or a "
-                    "sensor; the numbers alone do not tell which.",
-                    JoinNames(unexplained)));
+    out.push_back(fmt::format(
+        "{} changed over the record{}; the numbers alone do not tell which.", JoinNames(unexplained),
+        HasOil(analysis) ? " by more than the oil temperature accounts for. What changed may be the "
+                           "machine, the oil or a sensor"
+                         : ". What changed may be the machine or a sensor"));
   if (const auto names = standing(Standing::kHint); !names.empty())
     out.push_back(fmt::format("{}: a hint of a change, too weak to rely on.", JoinNames(names)));
   AddOilSentence(out, analysis, infos);

@@ -124,11 +124,10 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
 }
 
 std::string SkippedTable(const ReplayOutcome& outcome) {
-  if (outcome.skipped.empty()) return {};
-  std::string text = "\nnot used, over all runs of this machine\n";
+  std::string text;
   for (const SkippedItem& item : outcome.skipped)
     if (item.rows > 0) text += fmt::format("{:>12}  {:<34} {}\n", item.rows, item.what, item.why);
-  return text;
+  return text.empty() ? text : "\nnot used, over all runs of this machine\n" + text;
 }
 
 std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {

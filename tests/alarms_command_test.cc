@@ -19,6 +19,7 @@ namespace {
 
 using namespace command_line_test;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kRaised = 1772373909;  // s since 1970: 2026-03-01 14:05:09 UTC
 
@@ -69,6 +70,22 @@ TEST_F(AlarmsCommand, TakesAnAlarmOutOfServiceAndBackWithARowForEach) {
 
 TEST_F(AlarmsCommand, TheListSaysSinceWhen) {
   EXPECT_THAT(Alarms({"list"}).out, testing::ContainsRegex("no_samples, since 2026-03-0[12] [0-9][0-9]:"));
+}
+
+TEST_F(AlarmsCommand, TheJournalNamesNoStrokeWhereThereIsNone) {
+  {
+    auto journal = AlarmJournal::Open(AlarmJournal::PathFor(File("press.db")));
+    ASSERT_OK(journal);
+    ASSERT_OK(journal->Change("press/left", kRaised, [](AxisContent& axis) -> Status {
+      AlarmEvent& aside = axis.events.emplace_back();
+      aside.event = "journal_set_aside";
+      aside.text = "kept as old.db";
+      return {};
+    }));
+  }
+  const std::string told = Alarms({"journal"}).out;
+  EXPECT_THAT(told, HasSubstr("journal_set_aside, kept as old.db"));
+  EXPECT_THAT(told, Not(HasSubstr("stroke -1")));
 }
 
 TEST_F(AlarmsCommand, AnAlarmAtRestCanBeTakenOutOfServiceByName) {

@@ -122,6 +122,19 @@ TEST_F(Motor, NoFitIsAdvisedOfALogThatTellsNothing) {
   EXPECT_THAT(check.out, Not(HasSubstr("next: hydroscope fit")));
 }
 
+TEST_F(Motor, ItsReportSaysNothingOfOilThatItDoesNotHave) {
+  ASSERT_EQ(Run({"replay", File("motor.csv"), "-m", File("motor.toml"), "--db", File("motor.db"), "--report",
+                 File("motor.html")})
+                .exit_code,
+            0);
+  EXPECT_THAT(ReadText(File("motor.html")), Not(HasSubstr("il temperature")));
+}
+
+TEST_F(Motor, NothingUsedAndNothingLeftOutIsNoTable) {
+  const Ran ran = Run({"replay", File("missing.csv"), "-m", File("motor.toml"), "--db", File("motor.db")});
+  EXPECT_THAT(ran.out, Not(HasSubstr("not used")));
+}
+
 TEST_F(Motor, WhatADatabaseDoesNotHoldIsSaid) {
   ASSERT_EQ(Run({"replay", File("motor.csv"), "-m", File("motor.toml"), "--db", File("motor.db")}).exit_code,
             0);

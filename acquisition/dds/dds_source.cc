@@ -268,7 +268,7 @@ class DdsSource : public Source {
     SourceStatus status;
     if (receiver_) status = receiver_->status();
     status.name = "dds " + options_.spec.topic;
-    status.reconnects = rebuilds_;
+    status.reconnects = reconnects_;
     return status;
   }
 
@@ -284,6 +284,7 @@ class DdsSource : public Source {
   void Watch(const std::stop_token& stop) {
     const double step = options_.deaf_after;
     double patience = step, silent = 0;
+    bool there = false;  // somebody, since the last time
     SourceStatus seen = receiver_->status();
     std::unique_lock lock(mutex_);
     while (!wake_.wait_for(lock, stop, std::chrono::duration<double>(step), [] { return false; })) {
@@ -291,6 +292,7 @@ class DdsSource : public Source {
       const SourceStatus now = receiver_->status();
       const bool heard = now.batches != seen.batches, found = now.connected && !seen.connected;
       seen = now;
+      there = there || now.connected || heard;
       silent = heard || found ? 0 : silent + step;
       if (heard || found) patience = step;
       if (silent < patience) continue;
@@ -301,7 +303,8 @@ class DdsSource : public Source {
         receiver_->WithoutSharedMemory("a sender was there, but nothing came from it by shared memory");
       }
       Rebuild();
-      seen.connected = false;
+      reconnects_ += there;  // where nobody was there is nothing to connect again
+      there = seen.connected = false;
     }
   }
 
@@ -318,7 +321,6 @@ class DdsSource : public Source {
       subscription_ = std::move(*subscription);
     else
       receiver_->CannotListen(subscription.error().text);
-    ++rebuilds_;
   }
 
   DdsSourceOptions options_;
@@ -326,7 +328,7 @@ class DdsSource : public Source {
   std::unique_ptr<Receiver> receiver_;
   std::unique_ptr<Subscription> subscription_;
   bool shared_memory_ = true;  ///< nothing says yet that it cannot work
-  std::atomic<std::int64_t> rebuilds_ = 0;
+  std::atomic<std::int64_t> reconnects_ = 0;
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::jthread watchdog_;

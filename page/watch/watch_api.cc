@@ -13,6 +13,7 @@
 #include "page/watch/alarm_request.h"
 #include "page/watch/trend_json.h"
 #include "storage/alarm_journal.h"
+#include "storage/valve_check_words.h"
 
 namespace hydroscope {
 namespace {
@@ -71,6 +72,7 @@ nlohmann::json ValveCheckJson(const ValveCheckRecord& record) {
   return {{"time_s", JsonNumber(c.time)},
           {"outcome", record.outcome},
           {"detail", record.detail},
+          {"german", {{"detail", valve_check::ToldOf(record.detail).german}}},
           {"f0_hz", figure(c.natural_frequency)},
           {"damping", figure(c.damping)},
           {"gain", figure(c.gain)},

@@ -293,7 +293,8 @@ void StepComputerClock(OperatorRig& o, const char* whose, const std::string& tra
           negative = negative || (item.at("age_s").is_number() && item.at("age_s").get<double>() < 0);
     const std::int64_t lacking = o.Lost() - lost;
     o.table.Line(
-        fmt::format("clock of the {} {}", whose, offset), stroke, stroke && lacking == 0 && !negative,
+        fmt::format("clock of the {} {}", whose, offset == std::string_view("+0") ? "right again" : offset),
+        stroke, stroke && lacking == 0 && !negative,
         fmt::format("{}, {}",
                     lacking == 0 ? "no row lost, strokes go on" : fmt::format("{} rows were lost", lacking),
                     negative ? "ages below zero" : "no age below zero"));

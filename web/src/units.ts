@@ -87,8 +87,8 @@ export function shownNumber<T extends number | null>(value: T, name: string): T 
 
 const tie = "\u202f";  // a narrow space at which no line breaks
 
-/** A number with its unit, in one line. */
-export const withUnit = (number: string, unit: string) => (unit ? `${number}${tie}${unit}` : number);
+/** A number with its unit, in one line; before a unit of several words it may break. */
+export const withUnit = (number: string, unit: string) => (!unit ? number : unit.includes(" ") ? `${number} ${unit.replace(/ /g, "\u00a0")}` : `${number}${tie}${unit}`);
 
 const named = /(?<=\d) (?=(?:%|°|(?:[kMG]?Pa|bar|psi|[lm]|l\/min|m[ms³²]?|mm\/s|cm[²³]?|gal|[kM]?N|k?Hz|m?s|min|h|m?[AV]|K|kg|rad|dB|[kMGT]B)(?![\wäöüß'(])))/g;
 

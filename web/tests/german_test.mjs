@@ -26,9 +26,8 @@ after(async () => {
   place.remove();
 });
 
-// What stays English: what commands print, how a proposed machine file came about, literature, names of tags, what a controller says
-// of a sweep, lines of the log.
-const english = ".printed, pre, code, .code, .tags, td[title], td span[title], .marks small [lang=en], .facts dd[lang=en], .katex, script, style, noscript, option[value]";
+// What stays English: what commands print, how a proposed machine file came about, literature, names of tags, lines of the log.
+const english = ".printed, pre, code, .code, .tags, td[title], .facts dd[lang=en], .katex, script, style, noscript, option[value]";
 // Words that English sentences have and German ones have not.
 const words = "the|and|of|with|without|these|this|that|are|from|between|which|than|strokes|episodes|have|has|would|could|their|them|only|value|change|changed|pressure|measured|model|noise|speed|warning|refused|added";
 
@@ -97,6 +96,14 @@ test("the response of a valve is German, alone and beside an earlier one", async
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre td strong");
   await assertGerman(page, "two valves");
+});
+
+test("what changed of a test cylinder is German, and no table is cut off", async (t) => {
+  run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], place.path);
+  const { page, address } = await visit(t, ["cylinder.csv", "--machine", join(machines, "test_cylinder.toml")]);
+  await walk(page, address, [["compare", ".centre .plot canvas"]]);
+  const cut = () => [...document.querySelectorAll(".scroll")].filter((box) => box.scrollWidth > box.clientWidth + 1).map((box) => box.getAttribute("aria-label"));
+  assert.deepEqual(await page.evaluate(cut), []);
 });
 
 test("what is watched is German: overview, trends with their marks, an alarm with its journal, valve checks", async (t) => {

@@ -35,9 +35,9 @@ export function copyHistory(path, name) {
 export function addValveChecks(path) {
   const rows = Array.from({ length: 16 }, (_, k) => {
     const f0 = 82 - 1.6 * k, year = 365.25 * 86_400, time = begin + 1_000 - (15 - k) * year / 4;
-    return `(1, ${k}, ${time}, 'measured', 'swept from 5 to 200 Hz', ${f0}, 0.9, ${0.72 + 0.012 * k}, 0.02, 1.0, 0.004, 0.0018, 0.0001, ${1.05 * f0}, 1.4, 0.1, 7e6, ${313 + (k % 3)})`;
+    return `(1, ${k}, ${time}, 'measured', '16 frequencies, 16.4 s recorded', ${f0}, 0.9, ${0.72 + 0.012 * k}, 0.02, 1.0, 0.004, 0.0018, 0.0001, ${1.05 * f0}, 1.4, 0.1, 7e6, ${313 + (k % 3)})`;
   });
-  rows.push(`(1, 16, ${begin + 90_000}, 'refused', 'the press was working', ${new Array(13).fill("NULL").join(", ")})`);
+  rows.push(`(1, 16, ${begin + 90_000}, 'refused', 'the controller refused: the machine is working or another sweep runs', ${new Array(13).fill("NULL").join(", ")})`);
   const done = spawnSync("sqlite3", [join(path, "press.db"), `INSERT INTO valve_check SELECT * FROM (VALUES ${rows.join(", ")})`], { encoding: "utf8" });
   if (done.status !== 0) throw new Error(`sqlite3: ${done.stderr}`);
 }

@@ -74,7 +74,7 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   const text = await (await fetch(`${address}api/v1/machine`)).text();
   assert.match(text, /model = "pump"/);
   assert.match(text, /shaft = "shaft_speed"/);
-  await page.waitForSelector("text=/ 1 episode inside/");  // one, in words
+  await page.waitForSelector("text=/; 1 episode$/");  // one, in words
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
   assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+\s%;/);

@@ -270,9 +270,9 @@ test("units are those that the reader chose, everywhere, and are remembered", as
   assert.match(await error(), /\scm³\/s$/);
   assert.match(await page.locator(".centre tr", { hasText: "p_A" }).first().innerText(), /MPa/);
   assert.match(await page.locator(".centre tr", { hasText: "Q_vn" }).first().innerText(), /cm³\/s/);
-  assert.match(await page.locator(".centre tr", { hasText: "y_0" }).innerText(), /spool null.*% of stroke/s);  // as trends and reports have it
+  assert.match(await page.locator(".centre tr", { hasText: "y_0" }).innerText(), /spool null.*%\sof\sstroke/s);  // as trends and reports have it
   const effects = await page.locator(".ranking tbody").innerText();
-  assert.match(effects, /cm³\/s per MPa/);
+  assert.match(effects, /cm³\/s\sper\sMPa/);
   assert.doesNotMatch(effects, /l\/min|bar/);
 });
 

@@ -177,6 +177,7 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
 
   await page.emulateMedia({ media: "print" });
   assert.ok(await page.locator(".work-order .done").isVisible(), "the work order has a place to sign");
+  assert.match(await page.locator(".work-order .print-only").first().innerText(), /machine die_cushion, database \w+\.db/);
   assert.ok(!(await page.locator(".act").isVisible()));
   await page.emulateMedia({ media: "print", colorScheme: "dark" });
   await until(page, () => document.documentElement.dataset.theme === "dark");

@@ -50,27 +50,28 @@ Told OddText(const ExplainResult& result, const OddStrokes& odd) {
       "{} {}", "{} {}",
       Told(std::string(one ? words.one : words.many), std::string(one ? words.german : words.german_several)),
       PlacesOf(result, odd));
+  const Told differs = one ? Tell("{} differs", "{} weicht", which) : Tell("{} differ", "{} weichen", which);
+  const char* were = one ? "It was" : "They were";
   if (!odd.parameter.empty())
     return Tell(
-        "{0} differ from the rest, and another value of {1} in them explains that as well as any effect does: the machine or a "
-        "setting changed there. They were left out",
-        "{0} weichen von den übrigen ab, und ein anderer Wert von {1} in ihnen erklärt das so gut wie jeder Effekt: dort hat sich "
-        "die Maschine oder eine Einstellung geändert. Sie wurden ausgelassen",
-        which, odd.parameter);
+        "{0} from the rest, and another value of {1} there explains that as well as any effect does: the machine or a setting "
+        "changed. {2} left out",
+        "{0} von den übrigen ab, und ein anderer Wert von {1} dort erklärt das so gut wie jeder Effekt: die Maschine oder eine "
+        "Einstellung hat sich geändert. Das ist ausgelassen",
+        differs, odd.parameter, were);
   if (odd.set.empty())
     return Tell(
-        "{} differ from the rest, and no effect of the library says how. They were left out; look at what happened there",
-        "{} weichen von den übrigen ab, und kein Effekt der Bibliothek sagt, wie. "
-        "Sie wurden ausgelassen; zu prüfen ist, was dort geschah",
-        which);
+        "{} from the rest, and no effect of the library says how. {} left out; look at what happened there",
+        "{} von den übrigen ab, und kein Effekt der Bibliothek sagt, wie. Das ist ausgelassen; zu prüfen ist, was dort geschah",
+        differs, were);
   if (odd.set == result.explanation.set)
     return Tell("this is so in {} alone; the others are described without it",
                 "das gilt nur für {}; die übrigen sind ohne es beschrieben", which);
   const Told doubt =
       odd.doubt.empty() ? Told() : Tell(" (not proven: {})", " (nicht bewiesen: {})", odd.doubt);
-  return Tell("{} differ from the rest: in them alone there is besides {}{}. They were left out",
-              "{} weichen von den übrigen ab: nur in ihnen gibt es außerdem {}{}. Sie wurden ausgelassen",
-              which, NamesOf(result, odd.set), doubt);
+  return Tell("{0} from the rest: in {1} alone there is besides {2}{3}. {4} left out",
+              "{0} von den übrigen ab: nur dort gibt es außerdem {2}{3}. Das ist ausgelassen", differs,
+              one ? "it" : "them", NamesOf(result, odd.set), doubt, were);
 }
 
 }  // namespace hydroscope

@@ -209,6 +209,7 @@ TEST(PlantEffects, WhatAllStrokesHaveIsFoundBesideALeakDuringSome) {
   EXPECT_THAT(x.explanation.odd_strokes.front().set, ElementsAre("internal_leakage"));
   EXPECT_THAT(OddText(x, x.explanation.odd_strokes.front()).english,
               HasSubstr("in them alone there is besides Internal leakage past the piston seal"));
+  EXPECT_THAT(OddText(x, {.strokes = {0}, .set = {}}).english, HasSubstr(") differs from the rest, and no"));
 }
 
 TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {

@@ -26,6 +26,7 @@ struct RecordedHistory {
 
 /// What the record says about a parameter and the oil temperature.
 enum class OilOutcome {
+  kNone,            ///< the machine has none that could be measured
   kNotMeasured,     ///< no oil temperature in the record
   kTooFewStrokes,   ///< fewer than 6 blocks of strokes with both
   kOilHardlyMoved,  ///< the oil temperature stayed within 1.5 K

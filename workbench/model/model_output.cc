@@ -52,13 +52,26 @@ std::vector<Effect> EffectsOf(const Machine* machine) {
   return effects;
 }
 
+/// "C_o, l/min per sqrt(bar)", or of several "F_d, N; v_d, mm/s".
+std::string ParametersText(const Effect& e) {
+  const auto with_unit = [](const std::string& name, const std::string& si) {
+    const std::string unit(EffectUnitFor(si).name);
+    return name + ", " + (unit.empty() ? "unit not given" : unit);
+  };
+  if (e.parameters.size() < 2) return with_unit(e.parameter, e.unit);
+  std::string text;
+  for (const ParameterSpec& p : e.parameters) text += (text.empty() ? "" : "; ") + with_unit(p.name, p.unit);
+  return text;
+}
+
 std::string EffectText(const MachineKind& kind, const Effect& e) {
   const EffectUnit unit = EffectUnitFor(e.unit);
-  std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id,
-                                 e.title, e.plain, e.law, e.source, e.parameter);
-  text += std::isfinite(e.typical)
-              ? fmt::format(", typically {} {}\n", ShortNumber(e.typical * unit.factor), unit.name)
-              : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
+  std::string text = fmt::format(
+      "{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}\n", e.id, e.title, e.plain, e.law,
+      e.source,
+      std::isfinite(e.typical)
+          ? fmt::format("{}, typically {} {}", e.parameter, ShortNumber(e.typical * unit.factor), unit.name)
+          : ParametersText(e));
   for (const NonlinearParameter& n : e.nonlinear) {
     const EffectUnit shown = EffectUnitFor(n.unit);
     text += fmt::format("                 {}, found between {} and {} {}\n", n.name,
@@ -140,7 +153,7 @@ std::string ModelText(const Machine& machine) {
   for (const SignalSpec& signal : machine.signals)
     text += fmt::format("  {:<8} column {}, {}\n", signal.name, signal.column, signal.unit);
   text += "\nEffects that are part of the model\n";
-  if (machine.added_effects.empty()) text += "  none: the base balance alone\n";
+  if (machine.added_effects.empty()) text += "  none\n";
   for (const std::string& id : machine.added_effects)
     for (const Effect& effect : EffectsOf(&machine))
       if (effect.id == id) text += fmt::format("  {:<28} {}; {}\n", id, effect.title, effect.law);

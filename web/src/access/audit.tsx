@@ -15,13 +15,14 @@ const changes: Record<string, keyof Words> = {
   login: "auditLogin", "watch/alarms": "auditAlarm", "watch/learning": "auditLearning", "watch/valve_checks": "auditSweep", promote: "auditPromote",
   "user added": "auditAdded", "user removed": "auditRemoved", "password changed": "auditPassword", "role changed": "auditRole",
 };
+const keys: Record<string, keyof Words> = { comment: "event_commented", user: "who" };
 const actions: Record<string, keyof Words> = { acknowledge: "event_acknowledged", shelve: "event_shelved", unshelve: "event_unshelved", comment: "event_commented" };
 
 /** What was asked, without braces and quotes. */
 function asked(detail: string, say: Say): string {
   try {
     const { action, machine, alarm, ...more } = JSON.parse(detail) as Record<string, unknown>;
-    const rest = Object.entries(more).filter(([, value]) => value !== "" && value !== null).map(([key, value]) => `${key}: ${String(value)}`);
+    const rest = Object.entries(more).filter(([, value]) => value !== "" && value !== null).map(([key, value]) => `${keys[key] ? say(keys[key]) : key}: ${String(value)}`);
     return [actions[String(action)] ? say(actions[String(action)]) : action, [machine, alarm].filter(Boolean).join("/"), ...rest].filter(Boolean).join(" · ");
   } catch {
     return detail;

@@ -16,8 +16,8 @@ import type { Alarm, JournalRow } from "./watch_types";
 
 const shelves = [["8", 8 * 3600], ["24", 24 * 3600], ["168", 7 * 24 * 3600]] as const;
 
-/** What was found, on what it rests, what to do; and what a person does about it. */
-export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string; close: () => void }) {
+/** What was found, on what it rests, what to do; and what a person does about it. `database`: where it was found. */
+export function AlarmDetail({ alarm, user, database, close }: { alarm: Alarm; user: string; database: string; close: () => void }) {
   const say = useWords();
   const [, setUrl] = useUrl();
   const { tick } = useWatch();
@@ -44,7 +44,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
   };
   return (
     <article class="detail work-order" aria-label={alarm.alarm} data-state={alarm.state}>
-      <p class="print-only">{say("workOrder")} · {say("printed", { when: dateText(Date.now() / 1000) })}</p>
+      <p class="print-only">{say("workOrder")} · {say("orderFor", { machine: alarm.machine.split("/")[0], database })} · {say("printed", { when: dateText(Date.now() / 1000) })}</p>
       <header><h2><Told of={alarm} what="finding" /></h2><button class="quiet no-print" onClick={close}>{say("close")}</button></header>
       <dl class="facts">
         <div><dt>{say("alarm_axis")}</dt><dd>{alarm.machine}</dd></div>

@@ -100,7 +100,7 @@ export function Alarms({ overview }: { overview: Overview }) {
           </table>
         </Scroll>
       )}
-      {chosen && <CountedIn of={countedOf(chosen.machine)}><AlarmDetail key={query.alarm} alarm={chosen} user={overview.user} close={() => setUrl({ alarm: "" })} /></CountedIn>}
+      {chosen && <CountedIn of={countedOf(chosen.machine)}><AlarmDetail key={query.alarm} alarm={chosen} user={overview.user} database={overview.database} close={() => setUrl({ alarm: "" })} /></CountedIn>}
     </section>
   );
 }

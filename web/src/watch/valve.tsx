@@ -151,7 +151,7 @@ export function Valve({ overview }: { overview: Overview }) {
           heads={[say("valveWhen"), say("outcome"), `${say("bandwidth")} (Hz)`, "f₀ (Hz)", "D", say("gain"), `${say("deadTime")} (ms)`, `${say("oil")} (${nameOf("°C")})`]}
           rows={newest.map((check) => [
             isDate(check.time_s) ? dateText(check.time_s) : `${short(check.time_s, 6)} s`,
-            <span title={check.detail}>{say(`outcome_${check.outcome}` as keyof Words)}{check.outcome !== "measured" && <small lang="en"> {check.detail}</small>}</span>,
+            <span>{say(`outcome_${check.outcome}` as keyof Words)}{check.outcome !== "measured" && <small> <Told of={check} what="detail" /></small>}</span>,
             cell(check.bandwidth_hz), cell(check.f0_hz), cell(check.damping), cell(check.gain), cell(check.dead_time_s, 1e3),
             short(check.oil_temperature_K === null ? null : shownNumber(check.oil_temperature_K - 273.15, "°C")),
           ])} />

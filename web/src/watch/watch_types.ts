@@ -52,7 +52,7 @@ export interface Trend {
 export interface StrokeSignals { stroke: number; begin_s: number; end_s: number; time_s: number[]; signals: { name: string; unit: { factor: number; offset: number; name: string }; values: MaybeNumber[] }[] }
 export interface Figure { value: MaybeNumber; std: MaybeNumber }
 export interface ValveCheck {
-  time_s: MaybeNumber; outcome: string; detail: string; f0_hz: Figure; damping: Figure; gain: Figure; dead_time_s: Figure; bandwidth_hz: Figure;
+  time_s: MaybeNumber; outcome: string; detail: string; german?: { detail: string }; f0_hz: Figure; damping: Figure; gain: Figure; dead_time_s: Figure; bandwidth_hz: Figure;
   amplitude: MaybeNumber; supply_pressure_Pa: MaybeNumber; oil_temperature_K: MaybeNumber;
 }
 /** `scaling` is how the value becomes the unit people read: "x 1e-05 = bar". */

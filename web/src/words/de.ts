@@ -129,7 +129,7 @@ export const de: Words = {
 
   checkTitle: "Kann man diesem Log glauben?",
   checkRowsAlone: "{rows} <Zeile/Zeilen> in {duration}, {rate} <Zeile/Zeilen> je Sekunde",
-  checkRows: "{rows} <Zeile/Zeilen> in {duration}, {rate} <Zeile/Zeilen> je Sekunde; {strokes} <Hub/Hübe|Episode/Episoden> im Gate",
+  checkRows: "{rows} <Zeile/Zeilen> in {duration}, {rate} <Zeile/Zeilen> je Sekunde; {strokes} <Hub im Gate/Hübe im Gate|Episode/Episoden>",
   checkSignal: "Signal",
   checkLow: "kleinster",
   checkHigh: "größter",

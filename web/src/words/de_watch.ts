@@ -123,6 +123,7 @@ export const deWatch: typeof enWatch = {
   commentSave: "Nur die Bemerkung",
   printOrder: "Arbeitsauftrag drucken",
   workOrder: "Arbeitsauftrag",
+  orderFor: "Maschine {machine}, Datenbank {database}",
   printed: "gedruckt {when}",
   orderDone: "Erledigt:",
   orderBy: "Von:",

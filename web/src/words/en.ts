@@ -128,7 +128,7 @@ export const en = {
 
   checkTitle: "Can this log be believed?",
   checkRowsAlone: "{rows} <row/rows> in {duration}, {rate} <row/rows> a second",
-  checkRows: "{rows} <row/rows> in {duration}, {rate} <row/rows> a second; {strokes} <stroke/strokes|episode/episodes> inside the gate",
+  checkRows: "{rows} <row/rows> in {duration}, {rate} <row/rows> a second; {strokes} <stroke inside the gate/strokes inside the gate|episode/episodes>",
   checkSignal: "Signal",
   checkLow: "lowest",
   checkHigh: "highest",

@@ -121,6 +121,7 @@ export const enWatch = {
   commentSave: "Only the remark",
   printOrder: "Print work order",
   workOrder: "Work order",
+  orderFor: "machine {machine}, database {database}",
   printed: "printed {when}",
   orderDone: "Done:",
   orderBy: "By:",
