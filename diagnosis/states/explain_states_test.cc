@@ -125,6 +125,26 @@ parameters = { more = { start = 0.1, min = 0, max = 1, unit = "m/s" } }
   EXPECT_EQ(x.not_seen, expected);
 }
 
+double Rising(double) { return 0.1; }
+
+/// A stop that the model as it is never reaches is reached about the set found.
+TEST(ExplainStates, WhatIsSeenAboutTheSetFoundIsNotCalledUnseen) {
+  const Machine machine = PushedMachine(std::string(kPushedCylinder) + R"toml([[effect]]
+id = "inflow"
+adds = { x = "rise" }
+parameters = { rise = { start = 0.01, min = 0, max = 1, unit = "m/s" } }
+[[effect]]
+id = "end_stop"
+adds = { x = "-c*max(x - far, 0)" }
+parameters = { c = { start = 1, min = 0.1, max = 10, unit = "1/s" }, far = { start = 2.5, min = 2, max = 2.8, unit = "m" } }
+)toml",
+                                        0);
+  const Episode episode = PushedLog(Rising, {});
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.set, std::vector<std::string>{"inflow"});
+  EXPECT_FALSE(x.not_seen.contains("end_stop"));
+}
+
 double BentWithSteep(double u) { return 0.8 * u * std::abs(u) - 0.06 * std::tanh(12 * u); }
 
 /// A small law beside the one that is found has the shape of nothing in the file: what comes near to it is not named.
