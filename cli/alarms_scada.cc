@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/alarm_records.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/records/alarm_records.h"
 #include "core/short_number.h"
 #include "core/time_text.h"
 #include "host/output.h"

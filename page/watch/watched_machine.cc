@@ -125,21 +125,11 @@ Status WatchedMachine::ReadRuns() {
 }
 
 Status WatchedMachine::ReadValveChecks() {
-<<<<<<< HEAD
   const auto checks = TRY(sources_.database.ValveChecks(id_));
   for (const ValveCheckRecord& check : checks) {
     const auto stroke = TRY(sources_.database.SequenceNear(id_, check.check.time));
     if (stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", stroke, check.outcome, check.detail});
-=======
-  const auto checks = sources_.database.ValveChecks(id_);
-  if (!checks) return tl::unexpected(checks.error());
-  for (const ValveCheckRecord& check : *checks) {
-    const auto stroke = sources_.database.SequenceNear(id_, check.check.time);
-    if (!stroke) return tl::unexpected(stroke.error());
-    if (*stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", *stroke, check.outcome, valve_check::ToldOf(check.detail)});
->>>>>>> 44b7597ffccb4de6fde37592396770d4f43063e8
+    marks_.push_back({"valve_check", stroke, check.outcome, valve_check::ToldOf(check.detail)});
   }
   return {};
 }
