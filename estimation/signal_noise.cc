@@ -60,35 +60,40 @@ struct ReadingSteps {
 struct Corners {
   double straight = 0;   ///< share of readings, without those that repeat the one before
   double median = 0;     ///< of second differences where there is a corner
-  double reversals = 0;  ///< share of corners at which the signal turns back
+  double reversals = 0;  ///< share of corners that bend against the one before
 
   static Corners Of(std::span<const SignalRuns> strokes, double resolution) {
     // Rounding shifts each of the three readings by half a step, the middle one twice.
     const double rounding = kRoundingSteps * resolution;
     std::vector<double> bends;
-    std::size_t readings = 0, straight = 0, turns = 0;
+    std::size_t readings = 0, straight = 0, reversals = 0;
     for (const SignalRuns& stroke : strokes)
-      for (const std::vector<double>& run : stroke)
+      for (const std::vector<double>& run : stroke) {
+        double last = 0;  // bend
         for (std::size_t k = 2; k < run.size(); ++k, ++readings) {
-          const double before = run[k - 1] - run[k - 2], after = run[k] - run[k - 1];
-          if (std::abs(after - before) > rounding) {
-            bends.push_back(std::abs(after - before));
-            turns += before * after < 0;
+          const double before = run[k - 1] - run[k - 2], after = run[k] - run[k - 1], bend = after - before;
+          if (std::abs(bend) > rounding) {
+            bends.push_back(std::abs(bend));
+            reversals += bend * last < 0;
+            last = bend;
           } else {
             straight += before != 0 && after != 0;
           }
         }
+      }
     Corners out;
     if (readings > 0) out.straight = static_cast<double>(straight) / static_cast<double>(readings);
     if (bends.empty()) return out;
-    out.reversals = static_cast<double>(turns) / static_cast<double>(bends.size());
+    out.reversals = static_cast<double>(reversals) / static_cast<double>(bends.size());
     const auto middle = bends.begin() + bends.size() / 2;
     std::nth_element(bends.begin(), middle, bends.end());
     out.median = *middle;
     return out;
   }
-  bool AreOfInterpolation(double resolution, const SignalNoiseOptions& options) const {
-    return straight >= options.straight_share && median >= options.corner_steps * resolution &&
+  bool AreOfInterpolation(const ReadingSteps& steps, const SignalNoiseOptions& options) const {
+    const double least =
+        steps.off_grid > options.off_grid_share ? options.slope_corner_steps : options.corner_steps;
+    return straight >= options.straight_share && median >= least * steps.smallest &&
            reversals >= options.corner_reversals;
   }
 
@@ -268,7 +273,7 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
     DescribeSteps(steps, period, options, noise);
   else
     JudgeContrasts(contrasts, period, options, noise);
-  if (noise.kind != NoiseKind::kHeld && corners.AreOfInterpolation(steps.smallest, options))
+  if (noise.kind != NoiseKind::kHeld && corners.AreOfInterpolation(steps, options))
     DescribeInterpolation(noise);
   return noise;
 }

@@ -128,6 +128,13 @@ TEST(SignalNoise, SeesLinesThatAHistorianDrewBetweenReadings) {
   }
 }
 
+TEST(SignalNoise, SeesThemInASteadyMotionToo) {
+  auto strokes = Strokes(8, 0, 100);
+  for (SignalRuns& stroke : strokes)
+    for (std::size_t k = 0; k < stroke[0].size(); ++k) stroke[0][k] += 3.0 * static_cast<double>(k);
+  EXPECT_EQ(Judged(StoredByDeadband(strokes, 12, 0.001)).kind, NoiseKind::kInterpolated);
+}
+
 TEST(SignalNoise, TakesNeitherAMotionWithoutNoiseNorACoarseReadingForDrawnLines) {
   std::vector<SignalRuns> ramps;
   for (int s = 0; s < 12; ++s) {
