@@ -332,18 +332,45 @@ class EffectSearch {
     return shared - out_.final.held_out;
   }
 
+  /// A law of general shape that is no effect of the machine file and does better in place of the only effect found, both fitted:
+  /// where functions predict something of what is left, or where that lasts and covers small differences of shape.
+  std::optional<Told> GeneralLawFor(const std::string& id) const {
+    if (out_.final.added.size() > 1 || !out_.partial) return {};
+    const GeneralLaws general(machine_, id, out_.base.fit, episodes_);
+    const CandidateFits fits(general.machine, episodes_, starts_on_, options_, out_.base);
+    std::vector<std::pair<StateContender, const GeneralLaw*>> contenders;
+    for (const GeneralLaw& law : general.laws)
+      if (auto contender = fits.Screened({law.id}, out_.base))
+        contenders.emplace_back(std::move(*contender), &law);
+    std::ranges::stable_sort(
+        contenders, [](const auto& a, const auto& b) { return a.first.foreseen < b.first.foreseen; });
+    if (contenders.size() > static_cast<std::size_t>(options_.contenders))
+      contenders.erase(contenders.begin() + options_.contenders, contenders.end());
+    const double enough =
+        out_.final.held_out *
+        (1 - (out_.final_left.structured ? options_.min_removed * out_.final_left.least_share : 0));
+    for (const auto& [contender, law] : contenders) {
+      const StateCandidate other = fits.Fitted(contender);
+      if (other.fitted() && other.held_out < enough &&
+          !SameLaw(out_.base.fit, out_.final, other, episodes_, options_.same_law))
+        return NotToldFromGeneral(id, *law);
+    }
+    return {};
+  }
+
   /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
-  /// place: that function.
-  std::optional<LikeFunction> FunctionFor(const std::string& id) {
+  /// place, or a law of general shape does better: a sentence that says so.
+  std::optional<Told> FunctionFor(const std::string& id) {
     const StateCandidate& without = out_.final.added.size() == 1 ? out_.base : Without(id);
     if (!without.fitted()) return {};
     const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
     const Specificity::Function* best = specificity.Best();
-    if (best == nullptr) return {};
+    if (best == nullptr) return GeneralLawFor(id);
     const std::vector<double>& with_effect = specificity.with_effect();
     const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
-    if (!compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final))) return {};
-    return best->named;
+    if (compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final)))
+      return NotToldFrom(id, best->named);
+    return GeneralLawFor(id);
   }
 
   /// Share of what the set found explains that it does not without one of its effects.
@@ -404,7 +431,7 @@ class EffectSearch {
     std::vector<std::string> named;
     bool leans = false;
     for (const std::string& id : out_.final.added) {
-      const std::optional<LikeFunction> like = FunctionFor(id);
+      const std::optional<Told> like = FunctionFor(id);
       const double left = LeftOf(id);
       if (!like && left <= options_.left_share) {
         named.push_back(id);
@@ -412,7 +439,7 @@ class EffectSearch {
       }
       leans = leans || ShareOf(id) > options_.leans_share;
       out_.nearest.push_back(id);
-      out_.warnings.push_back(like ? NotToldFrom(id, *like) : MayStandIn(id, left));
+      out_.warnings.push_back(like ? *like : MayStandIn(id, left));
     }
     if (leans)
       out_.nearest = out_.final.added;
