@@ -335,7 +335,9 @@ class EffectSearch {
   /// A law of general shape that is no effect of the machine file and does better in place of the only effect found, both fitted:
   /// where functions predict something of what is left, or where that lasts and covers small differences of shape.
   std::optional<Told> GeneralLawFor(const std::string& id) const {
-    if (out_.final.added.size() > 1 || !out_.partial) return {};
+    if (out_.final.added.size() > 1 ||
+        (!out_.final_left.structured && (out_.dynamics || out_.SlowShare() == 0)))
+      return {};
     const GeneralLaws general(machine_, id, out_.base.fit, episodes_);
     const CandidateFits fits(general.machine, episodes_, starts_on_, options_, out_.base);
     std::vector<std::pair<StateContender, const GeneralLaw*>> contenders;
