@@ -59,8 +59,8 @@ GeneralLaws::GeneralLaws(const Machine& without, const std::string& effect, cons
     if (!(spread > 0)) continue;
     const std::string z = fmt::format("(({} - ({:.17g}))/{:.17g})", name, middle, spread);
     for (const auto& [shape, formula] :
-         {std::pair("{0}^2", "{}^2"), std::pair("{0}^3", "{}^3"), std::pair("{0}*abs({0})", "{0}*abs({0})"),
-          std::pair("tanh(10*{0})", "a step in {}")}) {
+         {std::pair("{0}^2", "{}^2"), std::pair("{0}^3", "{}^3"), std::pair("{0}^5", "{}^5"),
+          std::pair("{0}*abs({0})", "{0}*abs({0})"), std::pair("tanh(10*{0})", "a step in {}")}) {
       UserEffectSpec law;
       law.id = fmt::format("{} in {}", fmt::format(fmt::runtime(formula), name), term.parameter);
       law.adds = {{term.parameter, fmt::format("c*{:.17g}*{}", size, fmt::format(fmt::runtime(shape), z))}};
