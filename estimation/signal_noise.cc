@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/short_number.h"
 #include "core/units.h"
@@ -58,15 +59,19 @@ struct ReadingSteps {
 
 /// Readings between their neighbours: on the straight line, or a corner.
 struct Corners {
-  double straight = 0;   ///< share of readings, without those that repeat the one before
-  double median = 0;     ///< of second differences where there is a corner
-  double reversals = 0;  ///< share of corners that bend against the one before
+  double straight = 0;    ///< share of readings, without those that repeat the one before
+  double resolution = 0;  ///< the smallest bend
+  double median = 0;      ///< bend
+  double turned = 0;      ///< share of corners at which the signal turns back, ...
+  double against = 0;     ///< ... and of those that bend against the one before
 
-  static Corners Of(std::span<const SignalRuns> strokes, double resolution) {
+  static Corners Of(std::span<const SignalRuns> strokes, double range) {
+    Corners out;
+    out.resolution = std::max(SmallestBend(strokes), kRoundOff * range);
     // Rounding shifts each of the three readings by half a step, the middle one twice.
-    const double rounding = kRoundingSteps * resolution;
+    const double rounding = kRoundingSteps * out.resolution;
     std::vector<double> bends;
-    std::size_t readings = 0, straight = 0, reversals = 0;
+    std::size_t readings = 0, straight = 0, turned = 0, against = 0;
     for (const SignalRuns& stroke : strokes)
       for (const std::vector<double>& run : stroke) {
         double last = 0;  // bend
@@ -74,30 +79,42 @@ struct Corners {
           const double before = run[k - 1] - run[k - 2], after = run[k] - run[k - 1], bend = after - before;
           if (std::abs(bend) > rounding) {
             bends.push_back(std::abs(bend));
-            reversals += bend * last < 0;
+            turned += before * after < 0;
+            against += bend * last < 0;
             last = bend;
           } else {
             straight += before != 0 && after != 0;
           }
         }
       }
-    Corners out;
     if (readings > 0) out.straight = static_cast<double>(straight) / static_cast<double>(readings);
     if (bends.empty()) return out;
-    out.reversals = static_cast<double>(reversals) / static_cast<double>(bends.size());
+    out.turned = static_cast<double>(turned) / static_cast<double>(bends.size());
+    out.against = static_cast<double>(against) / static_cast<double>(bends.size());
     const auto middle = bends.begin() + bends.size() / 2;
     std::nth_element(bends.begin(), middle, bends.end());
     out.median = *middle;
     return out;
   }
-  bool AreOfInterpolation(const ReadingSteps& steps, const SignalNoiseOptions& options) const {
-    const double least =
-        steps.off_grid > options.off_grid_share ? options.slope_corner_steps : options.corner_steps;
-    return straight >= options.straight_share && median >= least * steps.smallest &&
-           reversals >= options.corner_reversals;
+  /// Where noise is drawn the signal turns back; where motion with noise is, it bends to and fro by less than it moves.
+  bool AreOfInterpolation(double usual_step, const SignalNoiseOptions& options) const {
+    return straight >= options.straight_share && median >= options.corner_steps * resolution &&
+           (turned >= options.corner_turns ||
+            (against >= options.corner_reversals && median <= options.corner_bend * usual_step));
   }
 
-  static constexpr double kRoundingSteps = 2.5;
+ private:
+  static constexpr double kRoundingSteps = 2.5, kRoundOff = 1e-12;
+
+  static double SmallestBend(std::span<const SignalRuns> strokes) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const SignalRuns& stroke : strokes)
+      for (const std::vector<double>& run : stroke)
+        for (std::size_t k = 2; k < run.size(); ++k)
+          if (const double bend = std::abs(run[k] - 2 * run[k - 1] + run[k - 2]); bend > 0)
+            smallest = std::min(smallest, bend);
+    return std::isfinite(smallest) ? smallest : 0;
+  }
 };
 
 Told WithUnit(double si, const std::string& unit) {
@@ -262,7 +279,7 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   noise.off_grid = steps.off_grid;
   noise.unique = steps.unique;
   noise.range = RangeOf(strokes);
-  const Corners corners = Corners::Of(strokes, steps.smallest);
+  const Corners corners = Corners::Of(strokes, noise.range);
   noise.straight = corners.straight;
   const RowContrasts contrasts(strokes, options.chunks);
   if (contrasts.empty()) return noise;
@@ -273,7 +290,7 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
     DescribeSteps(steps, period, options, noise);
   else
     JudgeContrasts(contrasts, period, options, noise);
-  if (noise.kind != NoiseKind::kHeld && corners.AreOfInterpolation(steps, options))
+  if (noise.kind != NoiseKind::kHeld && corners.AreOfInterpolation(steps.median, options))
     DescribeInterpolation(noise);
   return noise;
 }

@@ -69,11 +69,10 @@ struct SignalNoiseOptions {
   /// share of a usual one.
   double off_grid_share = 0.3, unique_share = 0.5, deadband_step = 0.4;
   /// A historian stores what leaves a deadband, and an export draws straight lines between: this share of readings lies on
-  /// them (of white noise a hundredth does), corners are this many times the resolution, and so many of them bend against the one
-  /// before, which those of a motion without noise do not.
-  double straight_share = 0.3, corner_steps = 16, corner_reversals = 0.3;
-  /// ... and so many times the smallest step, where that is the slope of a line and no resolution.
-  double slope_corner_steps = 4;
+  /// them (of white noise a hundredth does), corners are this many times the resolution, and at so many of them the signal turns
+  /// back; or so many bend against the one before, by at most this share of a usual step. Those of a motion without noise do not.
+  double straight_share = 0.3, corner_steps = 16, corner_turns = 0.1, corner_reversals = 0.3,
+         corner_bend = 0.5;
   /// Growth of what exceeds white noise from pairs to four rows beyond which it is motion (8 for a corner, 32
   /// for curvature), not filtered noise (first order: up to 4.7).
   double motion_growth = 6;

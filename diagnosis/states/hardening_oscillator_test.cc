@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -112,6 +113,23 @@ TEST(ExplainStates, NamesALawBesideWhichASmallOneIsMissing) {
   EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
   EXPECT_TRUE(x.partial);
   EXPECT_GT(x.unexplained, 0.02);
+}
+
+/// Of the effects of the file a stop comes nearest to a spring that hardens: a cube in its place, which no effect is, does better.
+TEST(ExplainStates, AStopIsNotNamedForASpringThatIsNotInTheFile) {
+  std::string file = kOscillator;
+  const std::size_t cubic = file.find("[[effect]]");
+  file.replace(cubic, file.find("[[effect]]", cubic + 1) - cubic, R"toml([[effect]]
+id = "stop"
+adds = { v = "-k_s*(max(x - g, 0) - max(-x - g, 0))" }
+parameters = { k_s = { start = 1e4, min = 0, max = 1e6 }, g = { start = 1, min = 0.1, max = 4 } }
+)toml");
+  const StatesExplanation x = Explained(OscillatorLog({362, 34, 1e3, 0, 1}, 1500, 7), file);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_EQ(x.nearest, std::vector<std::string>{"stop"});
+  EXPECT_TRUE(std::ranges::any_of(x.warnings, [](const Told& warning) {
+    return warning.english.starts_with("x^3 in the equation of v");
+  }));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "diagnosis/states/general_laws.h"
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/search_sentences.h"
@@ -79,17 +80,24 @@ class SearchConclusion {
   }
 
   /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
-  /// place: that function.
-  std::optional<LikeFunction> FunctionFor(const std::string& id) {
+  /// place, or a law of general shape does better: a sentence that says so.
+  std::optional<Told> LikeWhat(const std::string& id) {
     const StateCandidate& without = out_.final.added.size() == 1 ? out_.base : found_.Without(id);
     if (!without.fitted()) return {};
     const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
-    const Specificity::Function* best = specificity.Best();
-    if (best == nullptr) return {};
-    const std::vector<double>& with_effect = specificity.with_effect();
-    const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
-    if (!compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final))) return {};
-    return best->named;
+    if (const Specificity::Function* best = specificity.Best()) {
+      const std::vector<double>& with_effect = specificity.with_effect();
+      const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
+      if (compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final)))
+        return NotToldFrom(id, best->named);
+    }
+    return MayHideGeneralLaw() ? BetterGeneralLaw(found_, id) : std::nullopt;
+  }
+
+  /// Of a single effect: functions predict something of what is left, or that lasts and covers small differences of shape.
+  bool MayHideGeneralLaw() const {
+    return out_.final.added.size() == 1 &&
+           (out_.final_left.structured || (!out_.dynamics && out_.SlowShare() > 0));
   }
 
   /// Share of what the set found explains that it does not without one of its effects.
@@ -154,7 +162,7 @@ class SearchConclusion {
     std::vector<std::string> named;
     bool leans = false;
     for (const std::string& id : out_.final.added) {
-      const std::optional<LikeFunction> like = FunctionFor(id);
+      const std::optional<Told> like = LikeWhat(id);
       const double left = LeftOf(id);
       if (!like && left <= options_.left_share) {
         named.push_back(id);
@@ -162,7 +170,7 @@ class SearchConclusion {
       }
       leans = leans || ShareOf(id) > options_.leans_share;
       out_.nearest.push_back(id);
-      out_.warnings.push_back(like ? NotToldFrom(id, *like) : MayStandIn(id, left));
+      out_.warnings.push_back(like ? *like : MayStandIn(id, left));
     }
     if (leans)
       out_.nearest = out_.final.added;

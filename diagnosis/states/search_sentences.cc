@@ -48,6 +48,15 @@ Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
       effect, like.about, like.equation);
 }
 
+Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law) {
+  return Tell(
+      "{} in the equation of {}, which is no effect of the machine file, explains more than {} does: the law may be another. Give "
+      "the file all laws that may be, excite the machine more strongly, or record for longer",
+      "{} in der Gleichung von {}, kein Effekt der Maschinendatei, erklärt mehr als {}: das Gesetz kann ein anderes sein. Der "
+      "Datei alle Gesetze geben, die es sein können, die Maschine stärker anregen oder länger aufzeichnen",
+      law.formula, law.equation, effect);
+}
+
 Told MayStandIn(const std::string& effect, double share) {
   return Tell(
       "{} would explain a further part of the error, but functions of states and inputs still predict as much as {:.0f} % of it: "

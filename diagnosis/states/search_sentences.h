@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/told.h"
+#include "diagnosis/states/general_laws.h"
 #include "diagnosis/states/remainder.h"
 #include "diagnosis/states/specificity.h"
 
@@ -19,6 +20,8 @@ Told MayBeMissing(const StateRemainder& left);
 Told MoreIsSlow(double share);
 /// A weak effect that a function without a name could stand in for.
 Told NotToldFrom(const std::string& effect, const LikeFunction& like);
+/// A law that the file does not name does better than the effect.
+Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law);
 /// One of several effects takes away so little that what is left may be of the law it stands in for; `share`: left of that.
 Told MayStandIn(const std::string& effect, double share);
 
