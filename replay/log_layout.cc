@@ -35,7 +35,7 @@ std::vector<Line> SplitLines(std::string_view head, std::size_t start, bool comp
 
 enum class FieldKind { kEmpty, kNumber, kText };
 
-FieldKind KindOf(std::string_view field, char decimal) {
+FieldKind FieldKindOf(std::string_view field, char decimal) {
   if (IsMissingMark(field)) return FieldKind::kEmpty;
   if (FieldNumber(field, decimal) || ParseDateTime(field)) return FieldKind::kNumber;
   return FieldKind::kText;
@@ -83,7 +83,7 @@ RowShape LearnShape(const std::vector<Line>& lines, Dialect dialect) {
     SplitFields(lines[i - 1].text, dialect.separator, fields);
     std::vector<FieldKind> kinds;
     for (const std::string_view field : fields) {
-      kinds.push_back(KindOf(field, dialect.decimal));
+      kinds.push_back(FieldKindOf(field, dialect.decimal));
       score += kinds.back() == FieldKind::kNumber ? 1 : kinds.back() == FieldKind::kText ? -1 : 0;
     }
     rows.push_back(std::move(kinds));
@@ -118,7 +118,7 @@ bool LooksLikeData(const std::vector<std::string_view>& fields, const RowShape& 
   for (std::size_t i = 0; i < shape.fields; ++i) {
     if (!shape.number[i]) continue;
     ++expected;
-    numbers += i < fields.size() && KindOf(fields[i], decimal) == FieldKind::kNumber;
+    numbers += i < fields.size() && FieldKindOf(fields[i], decimal) == FieldKind::kNumber;
   }
   return numbers > 0 && 2 * numbers >= expected;
 }

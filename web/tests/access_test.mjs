@@ -108,7 +108,7 @@ test("an operator acknowledges at the port of the service, a viewer does not, an
   await page.click(".views button:has-text('Changes')");
   await page.waitForSelector(".audit tbody tr");
   const rows = await page.locator(".audit tbody tr").allInnerTexts();
-  assert.ok(rows.some((row) => /operate.*127\.0\.0\.1\s+alarm\s+acknowledged · die_cushion\/internal_leakage · comment: seal ordered/.test(row)), rows.join("\n"));
+  assert.ok(rows.some((row) => /operate.*127\.0\.0\.1\s+alarm\s+acknowledged · die_cushion\/internal_leakage · remark: seal ordered/.test(row)), rows.join("\n"));
   assert.ok(rows.some((row) => /view.*log-in.*refused/.test(row.replace(/\s+/g, " "))), "a wrong password stands there");
   assert.ok(rows.some((row) => /user added/.test(row)));
 });
