@@ -10,8 +10,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kLongest =
-    16;  ///< rows between new readings: a signal that stands still for longer rests
+/// Rows between new readings: a signal that stands still for longer rests.
+constexpr std::size_t kLongest = 16;
 
 bool IsCommand(const Machine& machine, const MachineKind& kind, std::size_t signal) {
   return std::ranges::any_of(kind.standstill, [&](const StandstillRule& rule) {
@@ -59,7 +59,8 @@ class LinesBetween {
       return;
     }
     if (track.last >= 0 && value[row] == value[track.last]) return;
-    if (track.last >= 0 && row - track.last <= static_cast<std::ptrdiff_t>(kLongest)) {
+    if (track.last >= 0 && row - track.last <= static_cast<std::ptrdiff_t>(kLongest) &&
+        rows.time[row] > rows.time[track.last]) {
       const double slope = (value[row] - value[track.last]) / (rows.time[row] - rows.time[track.last]);
       for (std::ptrdiff_t held = track.last + 1; held < row; ++held)
         value[held] = value[track.last] + slope * (rows.time[held] - rows.time[track.last]);
@@ -81,10 +82,13 @@ class DrawnReader : public LogReader {
     while (!ended_ && coming_.rows() < max_rows + kLongest) {
       const auto read = inner_->Read(next_, max_rows);
       Count();
-      if (!read) return tl::unexpected(read.error());
-      ended_ = *read == 0;
-      Append();
+      ended_ = !read || *read == 0;
+      if (read)
+        Append();
+      else
+        failed_ = read.error();
     }
+    if (failed_ && coming_.rows() == 0) return tl::unexpected(*failed_);
     const std::size_t known = ended_ ? coming_.rows() : coming_.rows() - kLongest;
     Give(std::min(known, max_rows), block);
     return block.rows();
@@ -132,6 +136,7 @@ class DrawnReader : public LogReader {
   LinesBetween lines_;
   SampleBlock next_, coming_;  ///< the rows not given out yet
   bool ended_ = false;
+  std::optional<Error> failed_;  ///< where the log cannot be read further: told after the rows before
   LogCounters counters_;
 };
 

@@ -64,6 +64,43 @@ TEST(HeldSignals, AreDrawnStraightBetweenNewReadings) {
   EXPECT_NEAR(all.signal[1][1002], Position(1000), 1e-9) << "no line over a reading that is none";
 }
 
+/// Rows of a held signal, at the same time from row 10 on; it cannot be read beyond row 100.
+class TornLog : public LogReader {
+ public:
+  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
+    if (next_ == 100) return tl::unexpected(Error{ErrorKind::kBadInput, "torn"});
+    const std::size_t rows = std::min<std::size_t>(max_rows, 100 - next_);
+    block.Resize(1, rows);
+    for (std::size_t k = 0; k < rows; ++k, ++next_) {
+      block.time[k] = 0.002 * static_cast<double>(std::min<std::size_t>(next_, 10));
+      block.signal[0][k] = static_cast<double>(next_ / kHeld);
+      block.quality[0][k] = quality::kGood;
+    }
+    return rows;
+  }
+  double Progress() const override { return 0; }
+  double SamplePeriod() const override { return 0.002; }
+  const LogCounters& counters() const override { return counters_; }
+
+ private:
+  std::size_t next_ = 0;
+  LogCounters counters_;
+};
+
+TEST(HeldSignals, OfATornLogAreGivenOutToItsLastRow) {
+  const auto reader = WithDrawnSignals(std::make_unique<TornLog>(), {{0}, {}});
+  std::vector<double> values;
+  SampleBlock block;
+  auto read = reader->Read(block, 30);
+  for (; read && *read > 0; read = reader->Read(block, 30))
+    values.insert(values.end(), block.signal[0].begin(), block.signal[0].end());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().text, "torn");
+  ASSERT_EQ(values.size(), 100u);
+  EXPECT_EQ(values[2], 0.5);
+  for (const double value : values) EXPECT_TRUE(std::isfinite(value));
+}
+
 TEST(HeldSignals, RestingOrCoarseOnesAreNone) {
   SampleBlock head;
   head.Resize(2, 1000);
