@@ -112,6 +112,18 @@ TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
   EXPECT_THAT(page, HasSubstr("or the model misses something"));
 }
 
+TEST_F(StatesDrift, OfAModelThatMissesSomethingSinceALogIsNoAllClear) {
+  episodes_ = 8;
+  Replay(0);
+  overflow_ = 0.15;
+  Replay(0);
+  const auto since = Run({"explain", "--db", File("tank.db"), "--since", "8", "--json", "-"}).Json();
+  EXPECT_EQ(since.at("verdict"), "unknown");
+  EXPECT_LT(since.at("change").at("after").at("noise_floor").get<double>(),
+            0.3 * since.at("base").at("rms_holdout").get<double>())
+      << "the error is no noise";
+}
+
 TEST_F(StatesDrift, OfAModelThatRunsAwayIsSaidToTellOfNoParameter) {
   episodes_ = 3;
   std::string text = MachineText("tank");

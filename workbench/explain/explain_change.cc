@@ -214,6 +214,14 @@ void RefuseSmallShares(double excess_before, Explanation& after) {
   after.doubt = {};
 }
 
+/// What no parameters of an episode take away counts as its noise. Where that grew, no parameters that moved are all: a law that
+/// is missing looks so.
+void RefuseWhereEpisodesErrMore(const ExplainResult& before, ExplainResult& after) {
+  if (after.explanation.verdict != Verdict::kAdequate || after.each_alone) return;
+  if (std::pow(after.error_alone / before.error_alone, 2) > 1 + kFloorExcess)
+    after.explanation.verdict = Verdict::kUnknown;
+}
+
 }  // namespace
 
 double ValueChange::std() const { return std::hypot(before_std, after_std); }
@@ -233,6 +241,9 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
 
   Explanation& later = result.after.explanation;
   RefuseSmallShares(earlier.final.excess_ratio, later);
+  RefuseWhereEpisodesErrMore(result.before, result.after);
+  for (double* floor : {&result.after.base.noise_floor, &later.base.noise_floor, &later.final.noise_floor})
+    *floor = newest.NoiseFloor(*floor);
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);
   const EffectComparison comparison(before, newest, result, own);

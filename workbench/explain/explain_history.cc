@@ -120,7 +120,8 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
   out.strokes = static_cast<std::size_t>(history.strokes());
   out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
-  out.each_alone = IsDownToNoise(ErrorOfEachAlone(history, out.explanation.base.noise_floor));
+  out.error_alone = ErrorOfEachAlone(history, out.explanation.base.noise_floor);
+  out.each_alone = IsDownToNoise(out.error_alone);
   RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
@@ -133,8 +134,8 @@ namespace {
 
 /// Why the sums of episodes carry no verdict on the model, "" if they do. They say whether one set of parameters does for all
 /// episodes; effects are tried on logs alone, and what no parameters take away may be noise that is not white.
-Told WhyEpisodesDoNotTell(const StrokeHistory& history, const ExplainResult& result) {
-  const double ratio = ErrorOfEachAlone(history, result.explanation.base.noise_floor);
+Told WhyEpisodesDoNotTell(const ExplainResult& result) {
+  const double ratio = result.error_alone;
   if (std::isnan(ratio)) return {};
   if (result.explanation.verdict != Verdict::kAdequate)
     return result.each_alone
@@ -186,7 +187,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
   DoubtForTwinNotStored(x);
-  RefuseVerdict(WhyEpisodesDoNotTell(history, *out), x);
+  RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
     *floor = history.NoiseFloor(*floor);
   return out;

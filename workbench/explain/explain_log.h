@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,6 +42,8 @@ struct ExplainResult {
   /// Stored episodes of a machine with states: parameters of its own describe each down to white noise. What is more than noise
   /// is then what moves from one to the next.
   bool each_alone = false;
+  /// Of these: the error that parameters of its own leave, over what white noise would; NaN of strokes.
+  double error_alone = std::numeric_limits<double>::quiet_NaN();
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
   ErrorLocation location;                   ///< of the error of the model as it is
