@@ -396,12 +396,12 @@ std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
   return out;
 }
 
-/// Whether the odd strokes have a cause, but for two at most that a change began or ended in.
-bool HaveACause(const std::vector<OddStrokes>& odd) {
+/// Whether the odd strokes have a cause, but for those that a change began or ended in.
+bool HaveACause(const std::vector<OddStrokes>& odd, const OddStrokeOptions& options) {
   std::size_t without = 0;
   for (const OddStrokes& part : odd)
     if (part.set.empty() && part.parameter.empty()) without += part.strokes.size();
-  return without <= 2;
+  return without <= options.most_between;
 }
 
 /// A way to part strokes.
@@ -472,7 +472,7 @@ std::optional<Explanation> ExplainChange(const StrokeSet& strokes, const Explana
                         true};
   auto parted = Parted(strokes, changed.odd_by(strokes, start), true, explain, under, options);
   if (!parted) parted = PartedByOneOf(whole, strokes, start, changed, explain, under, options);
-  if (parted && !HaveACause(parted->odd_strokes)) return std::nullopt;
+  if (parted && !HaveACause(parted->odd_strokes, options)) return std::nullopt;
   return parted;
 }
 

@@ -26,6 +26,8 @@ struct OddStrokeOptions {
   /// of their stretch of the log: strokes scattered over a log rather are those in which an error of all shows most.
   double most_scattered = 0.1, together = 0.75;
   double most_changed = 0.75;  ///< share of the strokes past a change that must be odd
+  std::size_t most_between =
+      2;  ///< strokes that a change begins or ends in: like neither side, they need no cause
   /// What an effect must explain of the odd strokes beyond what another value of one parameter of the model does, which is the
   /// plainer of the two: noise variances, and a share of what the effect explains.
   double beyond_parameter = 10.0, beyond_share = 0.02;

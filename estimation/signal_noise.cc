@@ -276,8 +276,6 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   const ReadingSteps steps = ReadingSteps::Of(strokes);
   noise.quantum = steps.smallest;
   noise.repeated = steps.repeated;
-  noise.off_grid = steps.off_grid;
-  noise.unique = steps.unique;
   noise.range = RangeOf(strokes);
   const Corners corners = Corners::Of(strokes, noise.range);
   noise.straight = corners.straight;

@@ -39,8 +39,6 @@ struct SignalNoise {
   double slope = 0;     ///< d ln energy / d ln d from one to two rows; white 0, first order up to 2, motion 5
   double range = 0;     ///< SI, from the 5 % to the 95 % quantile of the readings
   double quantum = 0;   ///< SI, smallest step between readings
-  double off_grid = 0;  ///< share of steps that are no multiple of it
-  double unique = 0;    ///< share of readings other than the one before that no other reading equals
   double repeated = 0;  ///< share of readings equal to the one before
   /// Share of readings that lie, to the resolution, midway between their neighbours while these differ.
   double straight = 0;

@@ -56,7 +56,7 @@ Told MovedTold(const std::vector<Told>& moved) {
 
 /// What no parameters that stay take away, of episodes.
 Told WhatGoesOn(const ChangeResult& result, const drift::DriftFinding& finding) {
-  if (!result.after.each_alone)
+  if (!result.after.EachAlone())
     return Tell(
         "no parameters that stay as they are over these episodes take that away: one is still "
         "moving, or an effect is missing",

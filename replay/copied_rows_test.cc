@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "models/machine.h"
+#include "replay/two_signals_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -31,26 +31,13 @@ std::string LogWithCopies(double clock) {
   return path;
 }
 
-Machine MachineOfLog() {
-  Machine machine;
-  machine.log.time_column = "t";
-  machine.log.time_unit = "s";
-  for (const char* name : {"p", "z"}) {
-    SignalSpec signal;
-    signal.name = signal.column = name;
-    signal.unit = "1";
-    machine.signals.push_back(signal);
-  }
-  return machine;
-}
-
 struct WhatIsRead {
   std::vector<double> times;
   LogCounters counters;
 };
 
 WhatIsRead ReadAll(const std::string& path) {
-  auto reader = OpenLog(path, MachineOfLog());
+  auto reader = OpenLog(path, MachineOfTwoSignals());
   EXPECT_TRUE(reader) << reader.error().text;
   WhatIsRead read;
   SampleBlock block;

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <random>
 
+#include "replay/two_signals_fixture.h"
+
 namespace hydroscope {
 namespace {
 
@@ -15,19 +17,6 @@ using ::testing::HasSubstr;
 constexpr int kRowsOfTasks = 3000, kHeld = 4;
 
 double Position(int row) { return 0.1 * std::sin(0.002 * row); }
-
-Machine MachineOfTasks() {
-  Machine machine;
-  machine.log.time_column = "t";
-  machine.log.time_unit = "s";
-  for (const char* name : {"p", "z"}) {
-    SignalSpec signal;
-    signal.name = signal.column = name;
-    signal.unit = "1";
-    machine.signals.push_back(signal);
-  }
-  return machine;
-}
 
 /// Rows 2 ms apart: p is noise, z is new every `kHeld` rows and NaN in row 1001.
 std::string LogOfTwoTasks() {
@@ -44,7 +33,7 @@ std::string LogOfTwoTasks() {
 }
 
 TEST(HeldSignals, AreDrawnStraightBetweenNewReadings) {
-  const auto reader = OpenLog(LogOfTwoTasks(), MachineOfTasks());
+  const auto reader = OpenLog(LogOfTwoTasks(), MachineOfTwoSignals());
   ASSERT_TRUE(reader) << reader.error().text;
   EXPECT_THAT((*reader)->counters().time_base.english, HasSubstr("z every 4 rows"));
   SampleBlock all, block;
@@ -109,7 +98,7 @@ TEST(HeldSignals, RestingOrCoarseOnesAreNone) {
     head.signal[0][k] = static_cast<double>(random() % 1000);
     head.signal[1][k] = k < 800 ? 0.3 : 1e-3 * std::floor(0.37 * k);
   }
-  EXPECT_FALSE(FindHeldSignals(head, MachineOfTasks()));
+  EXPECT_FALSE(FindHeldSignals(head, MachineOfTwoSignals()));
 }
 
 }  // namespace

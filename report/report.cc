@@ -354,9 +354,8 @@ std::string Method(const Report& report) {
   out += Term(
       "Intervals",
       fmt::format(
-          "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
-          "their {0}, so changes{1} are judged on blocks of consecutive {0} that share none, each fitted "
-          "by itself.",
+          "95 %. Estimates carry their estimator's standard error. Successive estimates share most of their {0}, "
+          "so changes{1} are judged on blocks of consecutive {0} that share none, each fitted by itself.",
           report.counted.many, report.has_oil ? " and slopes over oil temperature" : ""));
   out += Term("Noise floor",
               "The error that sensor noise alone would cause, sent through the same "

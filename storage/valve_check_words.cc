@@ -9,8 +9,8 @@ Told Measured(std::size_t frequencies, double seconds, double harmonics) {
                              frequencies, seconds);
   if (harmonics == 0) return measured;
   return Tell(
-      "{}; up to {:.1f} % harmonics that the command does not have (limit, dead band or play): gain and frequency hold for this "
-      "amplitude only",
+      "{}; up to {:.1f} % harmonics that the command does not have (limit, dead band or play): gain and "
+      "frequency hold for this amplitude only",
       "{}; bis {:.1f} % Oberschwingungen, die der Befehl nicht hat (Anschlag, Totband oder Spiel): Verstärkung und "
       "Frequenz gelten nur für diese Amplitude",
       measured, 100 * harmonics);

@@ -217,7 +217,7 @@ void RefuseSmallShares(double excess_before, Explanation& after) {
 /// What no parameters of an episode take away counts as its noise. Where that grew, no parameters that moved are all: a law that
 /// is missing looks so.
 void RefuseWhereEpisodesErrMore(const ExplainResult& before, ExplainResult& after) {
-  if (after.explanation.verdict != Verdict::kAdequate || after.each_alone) return;
+  if (after.explanation.verdict != Verdict::kAdequate || after.EachAlone()) return;
   if (std::pow(after.error_alone / before.error_alone, 2) > 1 + kFloorExcess)
     after.explanation.verdict = Verdict::kUnknown;
 }

@@ -85,8 +85,6 @@ double ErrorOfEachAlone(const StrokeHistory& history, double of_sums) {
   return of_sums / history.white_noise;
 }
 
-bool IsDownToNoise(double ratio) { return ratio * ratio <= 1 + kFloorExcess; }
-
 }  // namespace
 
 Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& asked) {
@@ -121,7 +119,6 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.strokes = static_cast<std::size_t>(history.strokes());
   out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
   out.error_alone = ErrorOfEachAlone(history, out.explanation.base.noise_floor);
-  out.each_alone = IsDownToNoise(out.error_alone);
   RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
@@ -138,7 +135,7 @@ Told WhyEpisodesDoNotTell(const ExplainResult& result) {
   const double ratio = result.error_alone;
   if (std::isnan(ratio)) return {};
   if (result.explanation.verdict != Verdict::kAdequate)
-    return result.each_alone
+    return result.EachAlone()
                ? Tell(
                      "parameters of its own describe each of these episodes down to the sensor noise, no one set "
                      "describes them all: a parameter moves ('hydroscope trends' shows which)",
@@ -151,7 +148,7 @@ Told WhyEpisodesDoNotTell(const ExplainResult& result) {
                      "ein Satz von Parametern beschreibt diese Episoden nicht so gut wie jede für sich: ein Parameter "
                      "bewegt sich ('hydroscope trends' zeigt welcher), oder ein Effekt fehlt, den 'hydroscope explain' "
                      "mit den Aufzeichnungen nennt");
-  if (result.each_alone) return {};
+  if (result.EachAlone()) return {};
   return Tell(
       "the parameters that suit an episode best leave {:.2g} times what white noise would: the noise is not white, or "
       "the model misses something in all of these episodes. Stored sums do not tell the two apart, 'hydroscope "

@@ -39,11 +39,11 @@ struct ExplainResult {
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
   GramFit base;             ///< MachineModel::figures: the model as it is, of the same strokes
   LogTrust trust;           ///< of the samples; where rows are too far apart there is no verdict
-  /// Stored episodes of a machine with states: parameters of its own describe each down to white noise. What is more than noise
-  /// is then what moves from one to the next.
-  bool each_alone = false;
-  /// Of these: the error that parameters of its own leave, over what white noise would; NaN of strokes.
+  /// Stored episodes of a machine with states: the error that parameters of its own leave in each, over what white noise would; NaN
+  /// of strokes.
   double error_alone = std::numeric_limits<double>::quiet_NaN();
+  /// Whether that is white noise: what is more than noise is then what moves from one to the next.
+  bool EachAlone() const { return error_alone * error_alone <= 1 + kFloorExcess; }
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
   ErrorLocation location;                   ///< of the error of the model as it is

@@ -103,7 +103,7 @@ std::string NearestText(const Explanation& after) {
 
 /// Of episodes of a machine with states that no parameters which stay describe.
 std::string EpisodesText(const ChangeResult& result) {
-  if (!result.after.each_alone)
+  if (!result.after.EachAlone())
     return "UNKNOWN: the model errs more than before, and no parameters that stay as they are over these "
            "episodes take that away: one is still moving, or an effect is missing. 'hydroscope trends' shows "
            "what moves, 'hydroscope explain' with the logs which effect it is.\n";
