@@ -50,6 +50,13 @@ TEST(ExplainOutput, ANamedEffectComesWithWhatToLookForAndTheCommandThatAddsIt) {
   EXPECT_THAT(json["set"], Contains("internal_leakage"));
 }
 
+TEST(ExplainOutput, ANameThatIsNotProvenSaysSoFirst) {
+  ExplainResult result = Explained(Cushion({{"internal_leakage", 5e-12, {}}}));
+  result.explanation.partial = true;
+  EXPECT_THAT(ExplainText(result),
+              StartsWith("NAMED, NOT PROVEN: the model misses one effect, this or a relative of it."));
+}
+
 TEST(ExplainOutput, WhatTheModelHasAlreadyIsNotLookedForAgain) {
   const PressOptions options = Cushion({{"internal_leakage", 5e-12, {}}});
   const ExplainResult result = Explained(options, {}, {"internal_leakage"});

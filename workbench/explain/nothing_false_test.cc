@@ -14,6 +14,7 @@
 namespace hydroscope {
 namespace {
 
+using testing::AnyOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::Field;
@@ -73,6 +74,17 @@ TEST(NothingFalse, AnErrorThatGoesOnFromBlockToBlockIsNoNoiseWhereASignalMovesFr
   const Explanation x = OfTremblingRam(3e-5);
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_THAT(x.doubt.english, HasSubstr("goes on from block to block"));
+}
+
+TEST(NothingFalse, ADelayBesideASignalThatADeadbandHeldIsDoubtedAndTheDeadbandTold) {
+  PressOptions options = ASeenPress(4);
+  options.seconds = 90;
+  options.effects = {{"spool_signal_delay", 3e-3, {}}};
+  options.imperfections = {{"deadband", 6, {}, "z"}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_TRUE(x.set.empty() || x.partial);
+  EXPECT_THAT(x.warnings, Contains(Field(&Told::english, AnyOf(HasSubstr("stored only where"),
+                                                               HasSubstr("not stored at every row")))));
 }
 
 /// A rod side without a sensor: its leak to the other chamber and one to the outside are all the same.
