@@ -201,6 +201,8 @@ struct Explanation {
   bool may_be_noise = false;
   /// With `unknown`: what is left is near the noise, and too little for a name. `doubt` says why it matters.
   bool small_error = false;
+  /// With `unknown`: `margin_law`, a law without a name, describes the strokes down to the floor, and what was found does not.
+  bool nameless = false;
   Told doubt;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
   double trifle = 0;

@@ -1,9 +1,13 @@
 #include "diagnosis/explain_own_machine.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "diagnosis/subset_search.h"
+#include "estimation/gram_fit.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -45,6 +49,7 @@ class OwnMachineExplainer {
     TakeSteps(found.best, out);
     out.groups = Groups(found, out);
     Judge(out);
+    if (out.verdict != Verdict::kUnknown) ObjectIfAGeneralLawIsBetter(out);
     return out;
   }
 
@@ -67,6 +72,70 @@ class OwnMachineExplainer {
       if (!used && !excluded && !library[e]->generic) out.push_back(e);
     }
     return out;
+  }
+
+  /// Laws of general shape, but for those that are much the same as one of the machine file's effects, `ranking`.
+  std::vector<int> GeneralLaws(const std::vector<RankedEffect>& ranking) const {
+    std::vector<int> out;
+    for (const RankedEffect& law : ranking_.RankGeneric(start_)) {
+      if (!law.fit.solved) continue;
+      const EffectEstimate& alone = law.fit.effects.back();
+      const bool same = std::ranges::any_of(ranking, [&](const RankedEffect& named) {
+        if (!named.fit.solved) return false;
+        const ExtendedFit both =
+            ranking_.With(ranking_.With(start_, named.fit.effects.back().choice), alone.choice).fit;
+        return !both.solved || both.effects.back().independent < options_.same_flow * alone.independent;
+      });
+      if (!same) out.push_back(law.effect);
+    }
+    return out;
+  }
+
+  /// A name rests on what happens to be in the machine file where laws that nobody wrote down, in place of effects found, do
+  /// better, or as well with fewer.
+  void ObjectIfAGeneralLawIsBetter(Explanation& out) const {
+    const Effects named = Added({out.chosen, {}}, static_cast<std::size_t>(out.started));
+    const std::vector<int> laws = GeneralLaws(out.ranking);
+    if (laws.empty()) return;
+    Effects candidates = named;
+    candidates.insert(candidates.end(), laws.begin(), laws.end());
+    SubsetOptions options = Options();
+    options.max_effects = static_cast<int>(named.size());
+    options.max_candidates = static_cast<int>(candidates.size());
+    const SubsetResult found = SearchSubsets(strokes_, start_, candidates, options);
+    std::vector<std::string> without_name;
+    for (const int e : Without(Added(found.best, start_.choices.size()), named))
+      without_name.push_back(strokes_.model().effects[e]->title);
+    if (without_name.empty()) return;
+    const Eigen::VectorXd worse = Worse(out.final, found.best.fit);
+    const double unit = found.best.fit.noise_variance * (1 + std::max(0.0, found.best.fit.excess_ratio));
+    if (worse.size() == 0 || worse.sum() < options.rival_gain * unit) return;
+    out.partial = true;
+    out.margin_law = fmt::to_string(fmt::join(without_name, ", "));
+    out.doubt = Tell("what goes with {} explains the error better, and no effect of the machine file does",
+                     "was mit {} geht, erklärt den Fehler besser, und kein Effekt der Maschinendatei tut es",
+                     out.margin_law);
+    const bool far_worse = out.final.rms_holdout > options.far_worse * found.best.fit.rms_holdout;
+    if (!far_worse && !IsSure(worse, out)) return;
+    out.nameless = found.best.fit.excess_ratio <= options_.floor_excess;
+    out.verdict = Verdict::kUnknown;
+    out.set.clear();
+    out.groups.clear();
+  }
+
+  /// Whether an error that is larger stroke by stroke, `worse`, is so for sure, by the groups in which strokes hang together.
+  bool IsSure(const Eigen::VectorXd& worse, const Explanation& out) const {
+    ExtendedFit fit = out.final;
+    strokes_.Widen(out.chosen, fit);
+    const StrokeClusters clusters = fit.clusters.of.size() == static_cast<std::size_t>(worse.size())
+                                        ? fit.clusters
+                                        : SingleStrokes(static_cast<std::size_t>(worse.size()));
+    if (clusters.count < 2) return false;
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(clusters.count);
+    for (Eigen::Index s = 0; s < worse.size(); ++s) sum[clusters.of[static_cast<std::size_t>(s)]] += worse[s];
+    const double n = clusters.count;
+    const double error = std::sqrt((sum.array() - sum.mean()).square().sum() / (n - 1) / n);
+    return sum.mean() > Options().better_t * StudentFactor(n - 1) * error;
   }
 
   const std::string& Id(int effect) const { return strokes_.model().effects[effect]->id; }

@@ -382,9 +382,11 @@ std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
   }
   if (odd.empty()) return out;
   if (MissesAnEnd(out, odd, strokes.strokes())) return std::nullopt;
+  const bool scattered = !MayDifferWithoutCause(odd, strokes.strokes(), options);
+  const bool adequate = out.verdict == Verdict::kAdequate;
   // Under coloured noise strokes stand out for no more than a slow swing of it.
-  if (explain.floor_believable && !MayDifferWithoutCause(odd, strokes.strokes(), options)) {
-    if (out.verdict == Verdict::kAdequate) return std::nullopt;
+  if (scattered && adequate && explain.floor_believable) return std::nullopt;
+  if (scattered && !adequate) {
     out.partial = true;
     if (out.doubt.empty())
       out.doubt =

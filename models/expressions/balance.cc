@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/told_error.h"
+#include "models/expressions/general_laws.h"
 #include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -109,6 +110,23 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
   }
 }
 
+/// Channels of the signals that terms and effects read, and of their rates.
+std::vector<int> ChannelsRead(const Machine& machine, const std::vector<Expression>& terms,
+                              const ModelStructure& model) {
+  std::set<std::string> read;
+  for (const Expression& term : terms) read.merge(NamesIn(*term));
+  for (const UserEffectSpec& effect : machine.user_effects)
+    if (const auto checked =
+            CheckExpression(effect.terms.at(0).expression, ExpressionNamesOf(machine, effect)))
+      read.merge(NamesIn(*checked->tree));
+  std::vector<int> channels;
+  for (std::size_t c = 0; c < model.channel_names.size(); ++c) {
+    const std::string& name = model.channel_names[c];
+    if (read.contains(name) || name.starts_with("ddt(")) channels.push_back(static_cast<int>(c));
+  }
+  return channels;
+}
+
 /// All channels, in the unit of their signal or of what they are computed from.
 void ShowChannels(const Machine& machine, ModelStructure& model) {
   for (std::size_t c = 0; c < model.channel_names.size(); ++c) {
@@ -177,6 +195,8 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
     auto effect = TRY(MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit}));
     effects.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
+  trees.pop_back();  // the output
+  model->generic_laws = GeneralLaws(*model, ChannelsRead(machine, trees, *model));
   model->derive_channels = channels.Derivation();
   ShowChannels(machine, *model);
   AddLibrary(std::move(effects), *model);

@@ -27,6 +27,8 @@ TEST(OwnMachines, HiddenEffectsAreFoundAmongEightThatAreAlike) {
   const OwnMachinesScore score = ScoreOwnMachines({.cases = 12, .seed = 3});
   EXPECT_EQ(score.wrong, 0);
   EXPECT_GE(score.in_set, 10);
+  EXPECT_EQ(score.absent, 6);
+  EXPECT_EQ(score.absent_named, 0);
 }
 
 TEST(OwnMachines, ThePairThatErrsLeastIsNamedAlsoWhereNoneOfItIsBestAlone) {
@@ -63,6 +65,15 @@ TEST(OwnMachines, WhatIsNamedLowersTheErrorStepByStep) {
     if (x.set.empty()) continue;
     EXPECT_LT(x.final.rms_holdout, x.base.rms_holdout) << seed;
   }
+}
+
+TEST(OwnMachines, WhatALawThatTheFileLacksGoesWithIsSaid) {
+  Machine machine = OwnMachine();
+  std::erase_if(machine.user_effects, [](const auto& effect) { return effect.id == "pressure_viscous"; });
+  const auto result = ExplainStrokes(OwnMachineStrokes({.hidden = {"pressure_viscous"}, .seed = 6}, machine));
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown);
+  EXPECT_THAT(result->explanation.doubt.english, HasSubstr("p*ddt(x)"));
 }
 
 /// Noise that goes on from row to row hardly shows between neighbouring rows, and is most of what blocks of them have.
