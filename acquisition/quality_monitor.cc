@@ -12,13 +12,6 @@
 namespace hydroscope {
 namespace {
 
-// Median of |third difference| of white noise of standard deviation 1: 0.6745 sqrt(1 + 9 + 9 + 1).
-constexpr double kMedianThirdDifference = 3.0165;
-// Standard deviation of the distance to the mean of both neighbours: sqrt(1 + 1/4 + 1/4), here of twice it.
-constexpr double kTwiceDistanceStd = 2.4495;
-constexpr double kSpikeStd = 12.0;
-constexpr double kSpikeOverNeighbours = 3.0;
-
 constexpr std::int64_t kChangesToJudge = 100;
 constexpr double kReversalsOfNoise = 0.3;
 constexpr double kLongestMeanRun = 1.5;
@@ -36,9 +29,6 @@ constexpr double kLongestMeanRunOfReadings = 10.0;
 constexpr std::int64_t kReadingsAtLimit = 30;
 constexpr double kShareAtLimit = 0.25;
 constexpr double kNearExtreme = 2.0;  // standard deviations of the noise
-
-constexpr Quality kBreaks =
-    quality::kMissing | quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
 // Four rows at once: vectors of GCC and Clang.
 typedef double Doubles __attribute__((vector_size(32)));
@@ -167,7 +157,8 @@ void QualityMonitor::Inspect(SampleBlock& block) {
   const std::size_t coming = block.rows();
   if (coming == 0) return;
   if (standstill_) standstill_->Judge(block);
-  const std::size_t total = held_ + coming, kept = std::min({total, hold_, kAhead + RunUnderWay(block)});
+  const std::size_t pulse = PulseUnderWay(block), run = RunUnderWay(block);
+  const std::size_t total = held_ + coming, kept = std::min({total, hold_, kAhead + std::max(pulse, run)});
   const std::size_t rows = total - kept;
   const std::size_t judged = held_ - std::min(held_, kAhead), last = total - std::min(total, kAhead);
   const std::size_t first_frame_row = frame_row_;
@@ -265,7 +256,10 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     track.different += counts.different;
     track.above += counts.above;
     if (counts.outside > 0) FlagRange(x, piece, track, flags);
-    if (counts.candidates > 0) FlagSpikes(x, piece, track, flags);
+    if (counts.candidates > 0) {
+      FlagSpikes(x, piece, track, flags);
+      if (track.changes_often) FlagPulses(x, piece, track, flags);
+    }
     if (counts.equal > 0 || track.run > 1) {
       FlagStuck(x, piece, track, flags);
     } else {
@@ -342,15 +336,14 @@ void QualityMonitor::FlagStuck(const double* x, std::size_t rows, Track& track, 
 
 /// Whether the `run` identical readings before `after` stand between two steps that no motion makes.
 bool QualityMonitor::IsFilledGap(const double* after, std::int64_t run, const Track& track) const {
-  if (!track.changes_often || !track.settled ||
+  if (!track.changes_often || track.stuck_rows == 0 || !track.settled ||
       run + static_cast<std::int64_t>(kAhead) > static_cast<std::int64_t>(hold_))
     return false;
   const double* first = after - run;
   const double in = first[0] - first[-1], out = after[0] - after[-1];
   const double step = std::min(std::abs(in), std::abs(out));
-  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
   const auto is_quiet = [step](double beside) { return kSpikeOverNeighbours * std::abs(beside) <= step; };
-  return in * out < 0 && step > kSpikeStd * sigma && is_quiet(after[0] - first[-1]) &&
+  return in * out < 0 && step > LeastStep(track) && is_quiet(after[0] - first[-1]) &&
          is_quiet(first[-1] - first[-2]) && is_quiet(after[1] - after[0]);
 }
 
@@ -384,20 +377,6 @@ void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t
   }
 }
 
-void QualityMonitor::FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags) {
-  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
-  for (std::size_t i = 0; i < rows; ++i) {
-    const double* v = x + i;
-    const double distance = 0.5 * std::abs((v[1] - v[0]) - (v[0] - v[-1]));
-    if (!(2.0 * distance > kSpikeStd * kTwiceDistanceStd * sigma)) continue;
-    const bool neighbours_agree = kSpikeOverNeighbours * std::abs(v[1] - v[-1]) <= distance;
-    const bool quiet_before = kSpikeOverNeighbours * std::abs(v[-1] - v[-2]) <= distance;
-    const bool quiet_after = kSpikeOverNeighbours * std::abs(v[2] - v[1]) <= distance;
-    const bool unbroken = ((flags[i] | flags[i + 1] | flags[i + 2]) & kBreaks) == 0;
-    if (neighbours_agree && quiet_before && quiet_after && unbroken) flags[i] |= quality::kSpike;
-  }
-}
-
 /// Follows the median: half of the third differences should lie above it. Steps are bounded, so a transient
 /// moves it little; a frame almost entirely above it means that the scale is far too small.
 void QualityMonitor::BeginFrame(Track& track) {
@@ -408,8 +387,8 @@ void QualityMonitor::BeginFrame(Track& track) {
   track.stuck_limit = 0;
   if (noisy && track.stuck_rows > 0)
     track.stuck_limit = std::max(track.stuck_rows, static_cast<std::int64_t>(kRunsToBeStuck * mean_run));
-  track.changes_often = track.changes >= kChangesToJudge && mean_run <= kLongestMeanRunOfReadings &&
-                        track.stuck_rows > 0 && track.can_saturate;
+  track.changes_often =
+      track.changes >= kChangesToJudge && mean_run <= kLongestMeanRunOfReadings && track.can_saturate;
   track.held_limit = track.stuck_limit;
   const double repeats = std::max(1.0, static_cast<double>(track.repeated_runs)) / changes;
   if (track.stuck_limit > 0 && track.can_saturate && repeats <= kLargestShareOfRuns)

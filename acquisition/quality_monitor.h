@@ -48,13 +48,14 @@ struct ChannelQuality {
 ///   distance and by
 ///                3 times each of the steps around it: between its neighbours, into the one before, out of
 ///                the one after (peaks of oscillations and corners of commands are not). Values beside a gap
-///                or a missing value are not judged.
+///                or a missing value are not judged. Also two to four readings between such steps away and back, on a
+///                channel that changes at least every tenth row.
 ///
 /// Noise scale: median of the third differences other than zero (they cancel parabolic motion), followed in
 /// frames of 64 rows; sigma = median / (0.6745 sqrt(20)) for white noise.
 ///
 /// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
-/// back two rows, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
+/// back two rows, after a sharp step until it is no pulse, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
 /// are flagged as well. Inspect gives out what need not be held any longer, Flush the last rows at the end of a log.
 class QualityMonitor {
  public:
@@ -71,10 +72,18 @@ class QualityMonitor {
   const std::vector<ChannelQuality>& channels() const { return channels_; }
 
  private:
-  static constexpr std::size_t kFrame = 64;   ///< rows between two updates of the noise scale
-  static constexpr std::size_t kHistory = 2;  ///< rows remembered before the first one to be given out
-  static constexpr std::size_t kAhead = 2;    ///< rows to be seen after one before it can be judged
+  static constexpr std::size_t kFrame = 64;        ///< rows between two updates of the noise scale
+  static constexpr std::size_t kHistory = 2;       ///< rows remembered before the first one to be given out
+  static constexpr std::size_t kAhead = 2;         ///< rows to be seen after one before it can be judged
+  static constexpr std::size_t kLongestPulse = 4;  ///< rows
   static constexpr std::size_t kMostHeld = 1024;
+
+  /// Median of |third difference| of white noise of standard deviation 1: 0.6745 sqrt(1 + 9 + 9 + 1).
+  static constexpr double kMedianThirdDifference = 3.0165;
+  /// Standard deviation of the distance to the mean of both neighbours: sqrt(1 + 1/4 + 1/4), here of twice it.
+  static constexpr double kTwiceDistanceStd = 2.4495;
+  static constexpr double kSpikeStd = 12.0;
+  static constexpr double kSpikeOverNeighbours = 3.0;
 
   /// One end of a channel's range.
   struct Extreme {
@@ -97,6 +106,7 @@ class QualityMonitor {
     std::array<std::size_t, kAhead + 1> runs{};  ///< identical readings up to each of the last rows that came
     double last = 0;                             ///< of these
     std::int64_t run = 0;                        ///< identical readings up to the last row given out
+    unsigned steps = 0;  ///< whether a sharp step led to each of the last rows, newest lowest
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
     std::int64_t repeated_runs = 0;  ///< runs of at least two identical readings, among `changes` runs
@@ -117,6 +127,7 @@ class QualityMonitor {
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
   void DelayTimes(std::size_t rows, std::size_t kept, std::vector<double>& time);
   std::size_t RunUnderWay(const SampleBlock& block);
+  std::size_t PulseUnderWay(const SampleBlock& block);
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags);
@@ -124,6 +135,8 @@ class QualityMonitor {
   void FlagBack(Quality* at, std::int64_t rows, Quality flag);
   void WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags);
   void FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags);
+  void FlagPulses(const double* x, std::size_t rows, const Track& track, Quality* flags);
+  double LeastStep(const Track& track) const;
   void BeginFrame(Track& track);
   void CountFlags(const SampleBlock& block, std::size_t rows);
 
@@ -134,9 +147,9 @@ class QualityMonitor {
   std::vector<Quality> flags_;  ///< of the same rows without history
   std::size_t frame_row_ = 0;   ///< rows given out in the present frame
   std::size_t held_ = 0;        ///< rows held back at present, the last kAhead of them not judged yet
-  std::size_t hold_ = kAhead;   ///< rows held back at most
-  std::vector<double> held_time_, times_;  ///< s; of rows held back, and with those that came
-  std::optional<Standstill> standstill_;   ///< nothing: no signal of this machine is known to follow another
+  std::size_t hold_ = kAhead + kLongestPulse;  ///< rows held back at most
+  std::vector<double> held_time_, times_;      ///< s; of rows held back, and with those that came
+  std::optional<Standstill> standstill_;  ///< nothing: no signal of this machine is known to follow another
 };
 
 }  // namespace hydroscope

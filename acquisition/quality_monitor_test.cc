@@ -129,6 +129,24 @@ TEST_F(QualityMonitorTest, FlagsASpikeAtEveryPlaceInABlock) {
   }
 }
 
+TEST_F(QualityMonitorTest, FlagsAPulseOfAFewRowsHoweverRowsAreCut) {
+  AddNoise(2000);
+  for (const int length : {2, 3, 4})
+    for (int k = 0; k < length; ++k) readings_[static_cast<std::size_t>(300 * length + k)] += 80;
+  for (const std::size_t block_rows : {1, 3, 7, 100, 2000}) {
+    const auto flags = Run(block_rows);
+    EXPECT_EQ(given_, readings_);
+    EXPECT_EQ(Count(flags, quality::kSpike), 9) << block_rows;
+    for (const std::size_t at : {600, 601, 900, 902, 1200, 1203}) EXPECT_EQ(flags[at], quality::kSpike) << at;
+  }
+}
+
+TEST_F(QualityMonitorTest, TakesAPulseOfFiveRowsForMotion) {
+  AddNoise(2000);
+  for (std::size_t k = 900; k < 905; ++k) readings_[k] += 80;
+  EXPECT_EQ(Count(Run(), quality::kSpike), 0);
+}
+
 TEST_F(QualityMonitorTest, TakesAStepForNoSpike) {
   AddNoise(500);
   AddNoise(500, 1000);

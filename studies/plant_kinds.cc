@@ -51,6 +51,7 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
     const char* channels[] = {"p_A", "z", "y_v"};
     s.channel = channels[random() % 3];
   }
+  if (s.kind == "spikes") s.extra["rows"] = 1 + static_cast<double>(random() % 4);
   if (s.kind == "slow_task") s.size = 2 + static_cast<double>(random() % 4);
   if (s.kind == "saturation") s.size = Between(random, 110, 180) * 1e5;
   if (s.kind == "wrong_unit") s.size = Uniform(random) < 0.5 ? 1e-5 : 1e-3;

@@ -412,6 +412,10 @@ TEST(Imperfections, ReadingsAreLimitedSteppedStuckAndOutliers) {
   const auto spikes = std::count_if(spiked.begin(), spiked.end(),
                                     [](double p) { return std::abs(p - 100 * kBar) > 30 * 2.2e5; });
   EXPECT_NEAR(static_cast<double>(spikes), 400, 80);
+  const std::vector<double> pulses = AtRest({"spikes", 40, {{"rate", 0.5}, {"rows", 3}}, ""}, 400000);
+  EXPECT_NEAR(static_cast<double>(std::ranges::count_if(
+                  pulses, [](double p) { return std::abs(p - 100 * kBar) > 30 * 2.2e5; })),
+              1200, 240);
   EXPECT_NEAR(AtRest({"wrong_unit", 1e-5, {}, ""}, 1)[0], 100, 15);
 }
 

@@ -153,7 +153,14 @@ void SensorImperfections::Spike(Active& active, PressRow& row) {
   ForChannels(active, row, [&](int k, double& value) {
     const bool now = active.random.Uniform() < active.one.extras[0] * period_;
     const double sign = active.random.Uniform() < 0.5 ? -1 : 1;
-    if (now) value += sign * active.one.size * std_[k];
+    if (now) {
+      active.held[k] = sign * active.one.size * std_[k];
+      active.rows_left[k] = std::lround(active.one.extras[1]);
+    }
+    if (active.rows_left[k] > 0) {
+      value += active.held[k];
+      --active.rows_left[k];
+    }
   });
 }
 

@@ -42,6 +42,7 @@ class SensorImperfections {
     Imperfection one;
     RandomStream random;
     std::array<double, 7> held{};
+    std::array<long, 7> rows_left{};  ///< of a spike
     std::array<bool, 7> begun{};
   };
   template <typename Change>

@@ -118,6 +118,24 @@ void DoubtForStorage(const FloorTrust& floor, Explanation& x) {
   }
 }
 
+/// A play or a zero of a signal that is smaller than the steps it is read in may be what rounding made.
+void DoubtForResolution(const FloorTrust& floor, Explanation& x) {
+  if (x.partial) return;
+  for (const EffectEstimate& e : x.final.effects) {
+    const Effect& effect = *x.model->effects[e.choice.effect];
+    const bool in_steps = std::ranges::any_of(floor.signals, [&](const SignalNoise& s) {
+      return s.kind == NoiseKind::kQuantised && s.unit == effect.unit && std::abs(e.size) < s.quantum;
+    });
+    if (!effect.correct || !in_steps || !Contains(x.set, effect.id)) continue;
+    x.partial = true;
+    x.doubt = Tell(
+        "the signal it acts on is read in steps coarser than that: rounding alone may look like {}",
+        "das Signal, auf das er wirkt, wird in gröberen Stufen gelesen: Runden allein kann aussehen wie {}",
+        effect.id);
+    return;
+  }
+}
+
 /// What a valve itself does between its command and its spool is no delay of a signal.
 void DoubtForEcho(const LogStrokes& log, Explanation& x) {
   if (x.set.empty() || log.echoes.empty()) return;
@@ -207,6 +225,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   DoubtForUntried(log, out.explanation);
   DoubtForStorage(floor, out.explanation);
+  DoubtForResolution(floor, out.explanation);
   DoubtForEcho(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);

@@ -139,6 +139,22 @@ TEST(NothingFalse, APlayOfASpoolThatWasStoredByDeadbandIsDoubted) {
   EXPECT_THAT(x.doubt.english, HasSubstr("y_v was stored at some rows only"));
 }
 
+TEST(NothingFalse, APlaySmallerThanTheStepsOfTheReadingsIsDoubted) {
+  constexpr double kPlay = 0.003, kStep = 0.004;
+  PressOptions options = ASeenPress(4);
+  options.effects = {{"spool_hysteresis", kPlay, {}}};
+  SimulatedLog log = SimulatePress(options);
+  const Machine machine = MachineFor(options);
+  const Explanation fine = ExplanationOf(log, machine);
+  ASSERT_THAT(fine.set, Contains("spool_hysteresis"));
+  EXPECT_THAT(fine.doubt.english, Not(HasSubstr("coarser")));
+  for (double& y : log.y_v) y = kStep * std::round(y / kStep);
+  const Explanation x = ExplanationOf(log, machine);
+  ASSERT_THAT(x.set, Contains("spool_hysteresis"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("read in steps coarser"));
+}
+
 /// Late by `slow` where the pressure falls and by a quarter of it where it rises, as it moves over some rows.
 void LagUnlikeUpAndDown(double slow, SimulatedLog& log) {
   constexpr std::size_t kRows = 5;
