@@ -54,6 +54,15 @@ TEST(ExplainHistory, SumsOfProductsAloneNameTheEffect) {
   EXPECT_EQ(healthy->explanation.verdict, Verdict::kAdequate);
 }
 
+TEST(ExplainHistory, NoiseThatIsNotWhiteLeavesALogToBeAskedFor) {
+  PressOptions options = Cushion(3, {kLeak});
+  options.imperfections = {{"coloured_noise", 1, {{"phi", 0.8}, {"white", 1}}, "all"}};
+  const auto result = ExplainHistory(HistoryOf(options));
+  ASSERT_TRUE(result.has_value());
+  ASSERT_EQ(result->explanation.verdict, Verdict::kUnknown);
+  EXPECT_THAT(result->explanation.doubt.english, HasSubstr("in a log of this machine"));
+}
+
 /// A tank line at another pressure gives the same flow, and stored sums have no columns of it.
 TEST(ExplainHistory, ANameWhoseTwinIsNotStoredIsDoubted) {
   const auto result = ExplainHistory(HistoryOf(Cushion(3, {{"pressure_offset", 6e5, {}}})));

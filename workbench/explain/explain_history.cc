@@ -177,6 +177,17 @@ void DoubtForTwinNotStored(Explanation& x) {
     }
 }
 
+/// Stored sums know the noise of single rows only: what is left above it is a law, or noise that is not white.
+void SayWhereNoiseIsSeen(const StrokeHistory& history, Explanation& x) {
+  if (x.verdict != Verdict::kUnknown || x.small_error || !x.doubt.empty()) return;
+  x.doubt = Tell(
+      "what is left may be noise that is not white, which 'hydroscope explain' sees in a log of this machine and not in "
+      "stored {}",
+      "was bleibt, kann Rauschen sein, das nicht weiß ist; 'hydroscope explain' sieht es an einer Aufzeichnung dieser "
+      "Maschine, nicht an gespeicherten {}",
+      CountedWordsOf(history.machine).SeveralDative());
+}
+
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
@@ -184,6 +195,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
   DoubtForTwinNotStored(x);
+  SayWhereNoiseIsSeen(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
     *floor = history.NoiseFloor(*floor);
