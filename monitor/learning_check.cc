@@ -94,7 +94,10 @@ std::vector<LearningDoubt> OfOddStrokes(const StrokeHistory& history, const Expl
   if (x.verdict != Verdict::kUnknown || !x.no_verdict.empty() || !x.base.solved) return {};
   ExplainOptions options = OptionsForEquations({}, history.equations());
   options.start = history.machine.added_effects;
-  const auto parted = ExplainOddStrokes(StrokeSet(x.model, history.units, history.window), x, options, {});
+  options.noise_scale = x.noise_scale;
+  options.evidence_scale = x.evidence_scale;
+  const auto parted = ExplainOddStrokes(
+      StrokeSet(x.model, history.units, history.window, history.noise_scale), x, options, {});
   if (!parted || parted->odd_strokes.empty()) return {};
   std::vector<std::string> odd;
   for (const OddStrokes& some : parted->odd_strokes)

@@ -45,7 +45,7 @@ Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
     pipeline->Process(block);
   }
   pipeline->Finish();
-  return first.Judge(*pipeline);
+  return JudgeStrokes(first.Finish(*pipeline));
 }
 
 std::vector<Told> LogTrust::Warnings() const {

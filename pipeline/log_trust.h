@@ -37,7 +37,7 @@ class FirstStrokes {
   void AddStretch(const Stretch& stretch, const SpanEquations& equations);
   void AddStroke(const StrokeRecord& record);
   /// Once, when the pipeline has finished.
-  LogTrust Judge(const Pipeline& pipeline) { return JudgeStrokes(strokes_.Finish(pipeline)); }
+  LogStrokes Finish(const Pipeline& pipeline) { return strokes_.Finish(pipeline); }
 
  private:
   StrokeCollector strokes_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/json_text.h"
@@ -23,6 +24,9 @@ RunSummary ReadSummary(const nlohmann::json& json) {
   s.warnings = json.value("warnings", decltype(s.warnings){});
   s.too_slow = json.value("too_slow", std::string());
   s.impossible = json.value("impossible", std::string());
+  for (const auto& [key, value] :
+       {std::pair("noise_scale", &s.noise_scale), std::pair("evidence_scale", &s.evidence_scale)})
+    if (const double read = json.value(key, 1.0); std::isfinite(read) && read > 0) *value = read;
   s.stopped = json.value("stopped", std::string());
   for (const auto& f : json.value("findings", nlohmann::json::array()))
     s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
@@ -56,6 +60,8 @@ std::string FormatRunSummary(const RunSummary& s) {
                                {"warnings", s.warnings},
                                {"too_slow", s.too_slow},
                                {"impossible", s.impossible},
+                               {"noise_scale", s.noise_scale},
+                               {"evidence_scale", s.evidence_scale},
                                {"stopped", s.stopped}};
   return JsonText(json);
 }

@@ -29,6 +29,9 @@ struct RunSummary {
   std::string too_slow;
   std::string
       impossible;  ///< readings that no machine makes, so that nothing is to be concluded (ReadingFaults); "": none
+  /// Noise energy of an equation over what neighbouring rows show, and of how many equations one is worth, as `explain` finds
+  /// them where noise goes on from row to row; 1: as rows show.
+  double noise_scale = 1, evidence_scale = 1;
   std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

@@ -16,18 +16,24 @@ TEST(RunSummary, ReadsBackWhatItWrote) {
   s.flagged = {{"p_A", {{"spike", 3}, {"missing", 4}}}};
   s.absent = {"T_oil"};
   s.findings = {{17, "p_A", "x", "a number"}};
+  s.noise_scale = 4.5;
+  s.evidence_scale = 2;
   s.stopped = "torn";
   const RunSummary read = ParseRunSummary(FormatRunSummary(s));
   EXPECT_EQ(FormatRunSummary(read), FormatRunSummary(s));
   EXPECT_EQ(read.FlaggedValues(), 7);
   EXPECT_EQ(read.findings.front().line, 17);
   EXPECT_EQ(read.stopped, "torn");
+  EXPECT_EQ(read.noise_scale, 4.5);
+  EXPECT_EQ(read.evidence_scale, 2);
 }
 
 TEST(RunSummary, WhatIsNoSummaryIsEmpty) {
   EXPECT_EQ(ParseRunSummary("").rows, 0);
   EXPECT_EQ(ParseRunSummary("[1, 2").rows, 0);
   EXPECT_EQ(ParseRunSummary("{}").rows, 0);
+  EXPECT_EQ(ParseRunSummary("{}").noise_scale, 1);
+  EXPECT_EQ(ParseRunSummary(R"({"noise_scale": 0})").noise_scale, 1);
   EXPECT_EQ(ParseRunSummary(R"({"rows": "many"})").rows, 0);
   EXPECT_EQ(ParseRunSummary(R"({"rows": 3, "findings": [7]})").rows, 0);
 }

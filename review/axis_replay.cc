@@ -19,6 +19,7 @@
 #include "report/explain_report.h"
 #include "review/replay_report.h"
 #include "review/stored_explanation.h"
+#include "workbench/explain/explain_log.h"
 #include "workbench/history/stored_change.h"
 #include "workbench/model/model_record.h"
 
@@ -185,6 +186,18 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
   return replay;
 }
 
+namespace {
+
+/// What noise of another colour than rows show comes to, for those who have the sums of products alone.
+void FindNoise(const LogStrokes& strokes, RunSummary& summary) {
+  const auto explained = ExplainStrokes(strokes);
+  if (!explained || !explained->explanation.base.solved) return;
+  summary.noise_scale = explained->explanation.noise_scale;
+  summary.evidence_scale = explained->explanation.evidence_scale;
+}
+
+}  // namespace
+
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::int64_t silent = 0;  // episodes that tell of no parameter
@@ -220,7 +233,9 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   auto pass = TRY(PassLog(reader, machine_, &pipeline, what, hooks));
   TRY(store(1));
   replay.summary = std::move(pass.summary);
-  const LogTrust trust = first.Judge(pipeline);
+  const LogStrokes judged = first.Finish(pipeline);
+  const LogTrust trust = JudgeStrokes(judged);
+  if (!trust.floor.believable) FindNoise(judged, replay.summary);
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.no_verdict.english;

@@ -25,7 +25,7 @@ void AddOnce(std::vector<std::string>& ids, const std::string& id) {
 class Reference {
  public:
   Reference(const StrokeHistory& before, const Explanation& after)
-      : strokes_(after.model, before.units, before.window), after_(after) {}
+      : strokes_(after.model, before.units, before.window, before.noise_scale), after_(after) {}
 
   /// Whether its size differs from that before by `min_t` standard errors. What the strokes before cannot
   /// tell counts as not there.

@@ -5,6 +5,7 @@
 
 #include "core/told_error.h"
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/explain_own_machine.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
@@ -99,11 +100,16 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
         counted.SeveralDative()));
   for (const std::string& id : options.start) TRY(FindEffect(*history.model, id));
   ExplainResult out;
-  out.explanation = Explain(StrokeSet(history.model, history.units, history.window), options);
+  options.noise_scale = history.noise_scale;
+  options.evidence_scale = std::max(options.evidence_scale, history.evidence_scale);
+  const auto strokes_under = [&](std::shared_ptr<const ModelStructure> model) {
+    return StrokeSet(std::move(model), history.units, history.window, history.noise_scale);
+  };
+  out.explanation = Explain(strokes_under(history.model), options);
   if (out.explanation.base.solved &&
       (out.explanation.verdict != Verdict::kAdequate || !options.start.empty()))
-    out.explanation =
-        ExplainRefined(StrokeSet(Refined(out.explanation), history.units, history.window), options);
+    out.explanation = ExplainRefined(strokes_under(Refined(out.explanation)), options);
+  out.explanation.noise_scale = history.noise_scale;
   if (!out.explanation.base.solved)
     return BadInput(Tell(
         "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
@@ -177,6 +183,15 @@ void DoubtForTwinNotStored(Explanation& x) {
     }
 }
 
+/// A name of a machine's own file stands against laws of general shape, of which stored sums keep no columns.
+void DoubtForUntriedLaws(Explanation& x) {
+  if (x.partial || x.set.empty() || !IsOwnMachine(*x.model)) return;
+  x.partial = true;
+  x.doubt = Tell(
+      "whether a law that the machine file lacks does better is tried on a log only",
+      "ob ein Gesetz, das der Maschinendatei fehlt, es besser erklärt, wird nur an einer Aufzeichnung versucht");
+}
+
 /// Stored sums know the noise of single rows only: what is left above it is a law, or noise that is not white.
 void SayWhereNoiseIsSeen(const StrokeHistory& history, Explanation& x) {
   if (x.verdict != Verdict::kUnknown || x.small_error || !x.doubt.empty()) return;
@@ -195,6 +210,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
   DoubtForTwinNotStored(x);
+  DoubtForUntriedLaws(x);
   SayWhereNoiseIsSeen(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})

@@ -62,7 +62,8 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
     out.per_stroke.push_back(Compare(unit, weights, *history.model, history.window));
-    out.per_stroke.back().noise_floor = history.NoiseFloor(out.per_stroke.back().noise_floor);
+    out.per_stroke.back().noise_floor =
+        std::sqrt(history.noise_scale) * history.NoiseFloor(out.per_stroke.back().noise_floor);
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
   }

@@ -79,6 +79,11 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     const RunSummary summary = ParseRunSummary(run.summary_json);
     for (const std::string& why : {summary.too_slow, summary.impossible})
       if (!why.empty()) history.no_verdict = fmt::format("run {} ({}): {}", run.id, run.source, why);
+    const auto strokes = static_cast<double>(std::min(part.last, run.first_sequence + run.strokes) -
+                                             std::max(part.first, run.first_sequence));
+    const double share = strokes / static_cast<double>(history.strokes());
+    history.noise_scale += share * (summary.noise_scale - 1);
+    history.evidence_scale += share * (summary.evidence_scale - 1);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)

@@ -34,6 +34,8 @@ struct StrokeHistory {
   std::vector<HistoryPart> unit_parts;  ///< the strokes of each of `units`
   std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
 
+  /// RunSummary::noise_scale and evidence_scale of the strokes on average.
+  double noise_scale = 1, evidence_scale = 1;
   std::string no_verdict;  ///< RunSummary::too_slow or impossible of a run among them
   /// Of a machine with states, whose sums hold what no parameters of an episode take away for noise: the error that white noise
   /// causes at most, rms, SI of the output. 0: the sums themselves say what is noise.

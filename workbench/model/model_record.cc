@@ -64,7 +64,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
     effects.push_back(effect);
     AddInterpolatedShapes(*structure, effect);
   }
-  const StrokeSet strokes(structure, history.units, history.window);
+  const StrokeSet strokes(structure, history.units, history.window, history.noise_scale);
   std::vector<EffectChoice> choices;
   for (const int effect : effects) {
     choices.push_back(strokes.BestShape(effect, choices));
