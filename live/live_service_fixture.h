@@ -88,11 +88,12 @@ class PlayedSource : public Source {
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
   static inline std::atomic<bool> done{false};
   static inline std::atomic<std::size_t> hold_at{kNever};  ///< row before which it waits
+  static inline const SimulatedLog* plays = nullptr;       ///< in place of Log()
   static inline std::atomic<int> hesitates{0};  ///< ms between a batch and the clock, as on a busy computer
 
  private:
   void Play(const Sink& sink) {
-    const SimulatedLog& log = Log();
+    const SimulatedLog& log = plays != nullptr ? *plays : Log();
     const std::size_t rows = kRowsPerBatch * thinned_;
     for (std::size_t row = from_; row + rows <= to_ && !stop_; row += rows) {
       const auto at = static_cast<std::int64_t>(1e9 + static_cast<double>(row + rows) * kPeriod * 1e9);

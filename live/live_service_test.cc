@@ -11,12 +11,14 @@
 #include "models/model_structure.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
+#include "workbench/explain/explain_history.h"
 #include "workbench/model/model_edit.h"
 
 namespace hydroscope {
 namespace {
 
 using namespace live_service_test;
+using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -39,6 +41,31 @@ TEST_F(LiveServiceTest, NothingIsLearnedFromRowsThatAreTooFarApart) {
   ASSERT_TRUE(doubt.has_value());
   EXPECT_EQ(doubt->kind, LearningDoubt::Kind::kTooSlow);
   EXPECT_THAT(doubt->text.english, HasSubstr("sampled too slowly"));
+}
+
+/// Sums of products show the noise of single rows alone; the rows that are kept show its colour.
+TEST_F(LiveServiceTest, StoredStrokesAreExplainedWithTheNoiseOfTheRowsThatAreKept) {
+  PressOptions options;
+  options.seconds = 60;
+  options.sample_period = kPeriod;
+  options.effects = {{"external_leakage", 6e-12, {}}};  // the machine file has no p_B
+  options.imperfections = {{"coloured_noise", 1, {{"phi", 0.8}, {"white", 1}}, "all"}};
+  const SimulatedLog log = SimulatePress(options);
+  PlayedSource::plays = &log;
+  Serve(0, 29'000);
+  PlayedSource::plays = nullptr;
+  auto database = Database::OpenReadOnly(options_.database);
+  ASSERT_TRUE(database);
+  const auto parts = ChosenMachines(*database, options_.database, {"press/left"});
+  ASSERT_TRUE(parts) << parts.error().text;
+  const auto machine = StoredMachine(*database, options_.database, parts->front());
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto history = LoadHistory(*database, options_.database, *parts, *machine);
+  ASSERT_TRUE(history) << history.error().text;
+  EXPECT_GT(history->noise_scale, 1.5);
+  const auto result = ExplainHistory(*history);
+  ASSERT_TRUE(result) << result.error().text;
+  EXPECT_THAT(result->explanation.set, Contains("external_leakage"));
 }
 
 TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {

@@ -33,6 +33,10 @@ void FirstStrokes::AddStroke(const StrokeRecord& record) {
 
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
   if (InEpisodes(KindOf(machine))) return LogTrust{};  // which are not filtered
+  return JudgeStrokes(TRY(FirstStrokesOf(reader, machine)));
+}
+
+Result<LogStrokes> FirstStrokesOf(LogReader& reader, const Machine& machine) {
   FirstStrokes first(machine);
   const auto pipeline = TRY(Pipeline::Create(machine, reader.SamplePeriod(),
                                              [&](StrokeRecord&& record) { first.AddStroke(record); }));
@@ -45,7 +49,7 @@ Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
     pipeline->Process(block);
   }
   pipeline->Finish();
-  return JudgeStrokes(first.Finish(*pipeline));
+  return first.Finish(*pipeline);
 }
 
 std::vector<Told> LogTrust::Warnings() const {

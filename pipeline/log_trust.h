@@ -46,7 +46,8 @@ class FirstStrokes {
   int taken_ = 0;
 };
 
-/// The same of rows that carry their flags already, such as those of a raw window.
+/// The first strokes of rows that carry their flags already, such as those of a raw window.
+Result<LogStrokes> FirstStrokesOf(LogReader& reader, const Machine& machine);
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine);
 
 /// `believable`, `noise_scale`, `signals`: list of `signal`, `kind`, `unit` (SI), `std`, `stated`, `ratio`,

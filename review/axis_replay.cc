@@ -186,18 +186,6 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
   return replay;
 }
 
-namespace {
-
-/// What noise of another colour than rows show comes to, for those who have the sums of products alone.
-void FindNoise(const LogStrokes& strokes, RunSummary& summary) {
-  const auto explained = ExplainStrokes(strokes);
-  if (!explained || !explained->explanation.base.solved) return;
-  summary.noise_scale = explained->explanation.noise_scale;
-  summary.evidence_scale = explained->explanation.evidence_scale;
-}
-
-}  // namespace
-
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::int64_t silent = 0;  // episodes that tell of no parameter
@@ -235,7 +223,9 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary = std::move(pass.summary);
   const LogStrokes judged = first.Finish(pipeline);
   const LogTrust trust = JudgeStrokes(judged);
-  if (!trust.floor.believable) FindNoise(judged, replay.summary);
+  const NoiseScales noise = NoiseScalesOf(judged, trust);
+  replay.summary.noise_scale = noise.noise;
+  replay.summary.evidence_scale = noise.evidence;
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.no_verdict.english;

@@ -237,6 +237,13 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   return out;
 }
 
+NoiseScales NoiseScalesOf(const LogStrokes& strokes, const LogTrust& trust) {
+  if (trust.floor.believable) return {};
+  const auto explained = ExplainStrokes(strokes);
+  if (!explained || !explained->explanation.base.solved) return {};
+  return {explained->explanation.noise_scale, explained->explanation.evidence_scale};
+}
+
 Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options) {
   ExplainResult out;
   out.log = std::move(strokes);

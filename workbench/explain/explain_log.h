@@ -67,6 +67,13 @@ struct JudgedModel {
   LogTrust trust;
 };
 
+/// What noise comes to that goes on from row to row, for those who have sums of products alone: its energy in an equation over
+/// what neighbouring rows show, and how many equations count as one. 1 where rows show it.
+struct NoiseScales {
+  double noise = 1, evidence = 1;
+};
+NoiseScales NoiseScalesOf(const LogStrokes& strokes, const LogTrust& trust);
+
 /// Whether the floor of the verdict is another than that of noise which is white from row to row.
 bool HasFloorOfItsOwn(const LogTrust& trust, const Explanation& explanation);
 

@@ -6,15 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <optional>
 
 #include "core/finite_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
+#include "pipeline/raw_log.h"
 #include "pipeline/run_summary.h"
 #include "replay/resampled_reader.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 namespace {
@@ -22,6 +26,7 @@ namespace {
 constexpr std::int64_t kUnits = 128;                ///< units aimed at where strokes are grouped
 constexpr std::int64_t kSmall = 64, kLarge = 4096;  ///< groups whose sums the database keeps
 constexpr std::int64_t kSample = 256;               ///< summaries read at most
+constexpr std::int64_t kStrokesOfKeptRows = 40;     ///< newest ones that tell what noise is like
 
 /// Strokes per unit, a size whose sums are stored or quickly added.
 std::int64_t UnitSize(std::int64_t strokes, std::int64_t most_single) {
@@ -61,10 +66,24 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
   return {};
 }
 
+/// Noise of a live service's strokes, which no end of a log ever judged: by those of them whose rows are kept.
+NoiseScales NoiseOfKeptRows(const Database& database, const std::string& path, const RunInfo& run,
+                            std::int64_t machine_id, const Machine& machine) {
+  const auto strokes = database.SummariesOf(
+      machine_id, run.first_sequence + std::max<std::int64_t>(0, run.strokes - kStrokesOfKeptRows),
+      run.first_sequence + run.strokes, kStrokesOfKeptRows);
+  if (!strokes || strokes->empty() || InEpisodes(KindOf(machine))) return {};
+  auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
+  if (!rows) return {};
+  const auto kept = FirstStrokesOf(**rows, machine);
+  return kept ? NoiseScalesOf(*kept, JudgeStrokes(*kept)) : NoiseScales{};
+}
+
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
 Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
   const CountedWords counted = CountedWordsOf(history.machine);
   const auto runs = TRY(database.Runs(part.id));
+  std::optional<NoiseScales> live;
   for (const RunInfo& run : runs) {
     if (run.strokes == 0 || run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first)
       continue;
@@ -82,8 +101,13 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     const auto strokes = static_cast<double>(std::min(part.last, run.first_sequence + run.strokes) -
                                              std::max(part.first, run.first_sequence));
     const double share = strokes / static_cast<double>(history.strokes());
-    history.noise_scale += share * (summary.noise_scale - 1);
-    history.evidence_scale += share * (summary.evidence_scale - 1);
+    NoiseScales noise = {summary.noise_scale, summary.evidence_scale};
+    if (run.source == kLiveSource) {
+      if (!live) live = NoiseOfKeptRows(database, history.database, runs.back(), part.id, history.machine);
+      noise = *live;
+    }
+    history.noise_scale += share * (noise.noise - 1);
+    history.evidence_scale += share * (noise.evidence - 1);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)
