@@ -26,7 +26,7 @@ RunSummary ReadSummary(const nlohmann::json& json) {
   s.impossible = json.value("impossible", std::string());
   for (const auto& [key, value] :
        {std::pair("noise_scale", &s.noise_scale), std::pair("evidence_scale", &s.evidence_scale)})
-    if (const double read = json.value(key, 1.0); std::isfinite(read) && read > 0) *value = read;
+    if (const double read = json.value(key, 0.0); std::isfinite(read) && read > 0) *value = read;
   s.stopped = json.value("stopped", std::string());
   for (const auto& f : json.value("findings", nlohmann::json::array()))
     s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
@@ -48,21 +48,21 @@ std::string FormatRunSummary(const RunSummary& s) {
   for (const LogFinding& f : s.findings)
     findings.push_back(
         {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
-  const nlohmann::json json = {{"sample_period", s.sample_period},
-                               {"rows", s.rows},
-                               {"rejected_rows", s.rejected_rows},
-                               {"gated", s.gated},
-                               {"used", s.used},
-                               {"discarded_strokes", s.discarded_strokes},
-                               {"flagged", s.flagged},
-                               {"absent", s.absent},
-                               {"findings", findings},
-                               {"warnings", s.warnings},
-                               {"too_slow", s.too_slow},
-                               {"impossible", s.impossible},
-                               {"noise_scale", s.noise_scale},
-                               {"evidence_scale", s.evidence_scale},
-                               {"stopped", s.stopped}};
+  nlohmann::json json = {{"sample_period", s.sample_period},
+                         {"rows", s.rows},
+                         {"rejected_rows", s.rejected_rows},
+                         {"gated", s.gated},
+                         {"used", s.used},
+                         {"discarded_strokes", s.discarded_strokes},
+                         {"flagged", s.flagged},
+                         {"absent", s.absent},
+                         {"findings", findings},
+                         {"warnings", s.warnings},
+                         {"too_slow", s.too_slow},
+                         {"impossible", s.impossible},
+                         {"stopped", s.stopped}};
+  if (s.noise_scale) json["noise_scale"] = *s.noise_scale;
+  if (s.evidence_scale) json["evidence_scale"] = *s.evidence_scale;
   return JsonText(json);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,8 @@ struct RunSummary {
   std::string
       impossible;  ///< readings that no machine makes, so that nothing is to be concluded (ReadingFaults); "": none
   /// Noise energy of an equation over what neighbouring rows show, and of how many equations one is worth, as `explain` finds
-  /// them where noise goes on from row to row; 1: as rows show.
-  double noise_scale = 1, evidence_scale = 1;
+  /// them where noise goes on from row to row; 1: as rows show. Nothing: nobody looked.
+  std::optional<double> noise_scale, evidence_scale;
   std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

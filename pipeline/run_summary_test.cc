@@ -32,8 +32,8 @@ TEST(RunSummary, WhatIsNoSummaryIsEmpty) {
   EXPECT_EQ(ParseRunSummary("").rows, 0);
   EXPECT_EQ(ParseRunSummary("[1, 2").rows, 0);
   EXPECT_EQ(ParseRunSummary("{}").rows, 0);
-  EXPECT_EQ(ParseRunSummary("{}").noise_scale, 1);
-  EXPECT_EQ(ParseRunSummary(R"({"noise_scale": 0})").noise_scale, 1);
+  EXPECT_FALSE(ParseRunSummary("{}").noise_scale);
+  EXPECT_FALSE(ParseRunSummary(R"({"noise_scale": 0})").noise_scale);
   EXPECT_EQ(ParseRunSummary(R"({"rows": "many"})").rows, 0);
   EXPECT_EQ(ParseRunSummary(R"({"rows": 3, "findings": [7]})").rows, 0);
 }

@@ -57,10 +57,15 @@ TEST(ExplainHistory, SumsOfProductsAloneNameTheEffect) {
 TEST(ExplainHistory, NoiseThatIsNotWhiteLeavesALogToBeAskedFor) {
   PressOptions options = Cushion(3, {kLeak});
   options.imperfections = {{"coloured_noise", 1, {{"phi", 0.8}, {"white", 1}}, "all"}};
-  const auto result = ExplainHistory(HistoryOf(options));
-  ASSERT_TRUE(result.has_value());
-  ASSERT_EQ(result->explanation.verdict, Verdict::kUnknown);
-  EXPECT_THAT(result->explanation.doubt.english, HasSubstr("in a log of this machine"));
+  StrokeHistory history = HistoryOf(options);
+  for (const bool known : {false, true}) {
+    history.noise_known = known;
+    const auto result = ExplainHistory(history);
+    ASSERT_TRUE(result.has_value());
+    ASSERT_EQ(result->explanation.verdict, Verdict::kUnknown);
+    EXPECT_EQ(result->explanation.doubt.english.find("in a log of this machine") != std::string::npos,
+              !known);
+  }
 }
 
 /// A tank line at another pressure gives the same flow, and stored sums have no columns of it.

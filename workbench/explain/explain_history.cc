@@ -192,15 +192,25 @@ void DoubtForUntriedLaws(Explanation& x) {
       "ob ein Gesetz, das der Maschinendatei fehlt, es besser erklärt, wird nur an einer Aufzeichnung versucht");
 }
 
-/// Stored sums know the noise of single rows only: what is left above it is a law, or noise that is not white.
-void SayWhereNoiseIsSeen(const StrokeHistory& history, Explanation& x) {
+/// What stored sums lack, where something is left that no effect explains: the colour of noise, if nobody looked at it while the
+/// rows were there, and effects at other values of their thresholds and widths than those of the grid.
+void SayWhatALogWouldTell(const StrokeHistory& history, Explanation& x) {
   if (x.verdict != Verdict::kUnknown || x.small_error || !x.doubt.empty()) return;
-  x.doubt = Tell(
-      "what is left may be noise that is not white, which 'hydroscope explain' sees in a log of this machine and not in "
-      "stored {}",
-      "was bleibt, kann Rauschen sein, das nicht weiß ist; 'hydroscope explain' sieht es an einer Aufzeichnung dieser "
-      "Maschine, nicht an gespeicherten {}",
-      CountedWordsOf(history.machine).SeveralDative());
+  const bool shaped = std::ranges::any_of(x.final.effects, [&](const EffectEstimate& e) {
+    return !x.model->effects[e.choice.effect]->nonlinear.empty();
+  });
+  if (!history.noise_known)
+    x.doubt = Tell(
+        "what is left may be noise that is not white, which 'hydroscope explain' sees in a log of this machine and not in "
+        "stored {}",
+        "was bleibt, kann Rauschen sein, das nicht weiß ist; 'hydroscope explain' sieht es an einer Aufzeichnung dieser "
+        "Maschine, nicht an gespeicherten {}",
+        CountedWordsOf(history.machine).SeveralDative());
+  else if (shaped)
+    x.doubt = Tell(
+        "the shape of its law is known on a grid only; 'hydroscope explain' with a log of this machine refines it",
+        "die Form seines Gesetzes ist nur auf einem Raster bekannt; 'hydroscope explain' mit einer Aufzeichnung dieser "
+        "Maschine verfeinert sie");
 }
 
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
@@ -211,7 +221,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   Explanation& x = out->explanation;
   DoubtForTwinNotStored(x);
   DoubtForUntriedLaws(x);
-  SayWhereNoiseIsSeen(history, x);
+  SayWhatALogWouldTell(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
     *floor = history.NoiseFloor(*floor);

@@ -67,8 +67,9 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
 }
 
 /// Noise of a live service's strokes, which no end of a log ever judged: by those of them whose rows are kept.
-NoiseScales NoiseOfKeptRows(const Database& database, const std::string& path, const RunInfo& run,
-                            std::int64_t machine_id, const Machine& machine) {
+std::optional<NoiseScales> NoiseOfKeptRows(const Database& database, const std::string& path,
+                                           const RunInfo& run, std::int64_t machine_id,
+                                           const Machine& machine) {
   const auto strokes = database.SummariesOf(
       machine_id, run.first_sequence + std::max<std::int64_t>(0, run.strokes - kStrokesOfKeptRows),
       run.first_sequence + run.strokes, kStrokesOfKeptRows);
@@ -76,14 +77,15 @@ NoiseScales NoiseOfKeptRows(const Database& database, const std::string& path, c
   auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
   if (!rows) return {};
   const auto kept = FirstStrokesOf(**rows, machine);
-  return kept ? NoiseScalesOf(*kept, JudgeStrokes(*kept)) : NoiseScales{};
+  if (!kept) return {};
+  return NoiseScalesOf(*kept, JudgeStrokes(*kept));
 }
 
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
 Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
   const CountedWords counted = CountedWordsOf(history.machine);
   const auto runs = TRY(database.Runs(part.id));
-  std::optional<NoiseScales> live;
+  std::optional<std::optional<NoiseScales>> live;
   for (const RunInfo& run : runs) {
     if (run.strokes == 0 || run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first)
       continue;
@@ -101,13 +103,17 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     const auto strokes = static_cast<double>(std::min(part.last, run.first_sequence + run.strokes) -
                                              std::max(part.first, run.first_sequence));
     const double share = strokes / static_cast<double>(history.strokes());
-    NoiseScales noise = {summary.noise_scale, summary.evidence_scale};
+    std::optional<NoiseScales> noise;
+    if (summary.noise_scale) noise = {*summary.noise_scale, summary.evidence_scale.value_or(1)};
     if (run.source == kLiveSource) {
       if (!live) live = NoiseOfKeptRows(database, history.database, runs.back(), part.id, history.machine);
       noise = *live;
     }
-    history.noise_scale += share * (noise.noise - 1);
-    history.evidence_scale += share * (noise.evidence - 1);
+    history.noise_known = history.noise_known && noise;
+    if (noise) {
+      history.noise_scale += share * (noise->noise - 1);
+      history.evidence_scale += share * (noise->evidence - 1);
+    }
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)

@@ -36,7 +36,8 @@ struct StrokeHistory {
 
   /// RunSummary::noise_scale and evidence_scale of the strokes on average.
   double noise_scale = 1, evidence_scale = 1;
-  std::string no_verdict;  ///< RunSummary::too_slow or impossible of a run among them
+  bool noise_known = true;  ///< of all of them
+  std::string no_verdict;   ///< RunSummary::too_slow or impossible of a run among them
   /// Of a machine with states, whose sums hold what no parameters of an episode take away for noise: the error that white noise
   /// causes at most, rms, SI of the output. 0: the sums themselves say what is noise.
   double white_noise = 0;
