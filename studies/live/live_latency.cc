@@ -45,7 +45,7 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
   for (int a = 0; a < o.axes; ++a) {
     const std::int64_t before = a * o.history;
     TRY(StoreOverAndOver(
-        database, AxisMachineName(machine, a), text, log, o.history, [&](std::int64_t strokes) {
+        database, AxisMachineName(machine, a), text, log, o.history, o.grams, [&](std::int64_t strokes) {
           progress.Update(static_cast<double>(before + strokes) / static_cast<double>(o.axes * o.history),
                           before + strokes);
         }));
@@ -129,8 +129,11 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
   const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
-  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service and press at niceness {}\n",
-             o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
+  const std::string with_grams =
+      o.grams < o.history ? fmt::format(" (the newest {} with Grams)", o.grams) : "";
+  fmt::print(
+      "{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each{}, service and press at niceness {}\n",
+      o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, with_grams, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);
