@@ -28,6 +28,8 @@ void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
       ->add_option("--grams", o->grams,
                    "Newest of these that have their sums of products; older ones hold all else, 1 kB each")
       ->check(CLI::NonNegativeNumber);
+  command->add_option("--folder", o->folder,
+                      "Folder that is kept: the history is filled once, later runs begin on its database");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark live-latency\n"

@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include "host/output.h"
@@ -33,8 +34,7 @@ void Print(const char* what, const std::string& value, const std::string& requir
 double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100; }
 
 /// The past of a press that has worked for long, judged by its drift watch.
-Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
-  const auto machine = TRY(LoadMachine(rig.File("service.toml")));
+Status FillDatabase(const LiveRig& rig, const Machine& machine, const LiveLatencyOptions& o) {
   PressOptions press;
   press.seconds = kHistorySeconds;
   const auto log = TRY(StrokesOf(SimulatePress(press), MachineFor(press)));
@@ -50,6 +50,13 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
                           before + strokes);
         }));
   }
+  return {};
+}
+
+/// One that lies in the folder already is taken as it is.
+Status PrepareHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
+  const auto machine = TRY(LoadMachine(rig.File("service.toml")));
+  if (!std::filesystem::exists(rig.database())) TRY(FillDatabase(rig, machine, o));
   const auto watch =
       PressMonitor::Create(rig.File("service.toml"), machine.name, MachinesOfAxes(machine), rig.database());
   return watch ? (*watch)->CatchUp(WallSeconds()) : tl::unexpected(watch.error());
@@ -107,9 +114,9 @@ std::string LatenessOf(LiveRig& rig) {
 }  // namespace
 
 int RunLiveLatency(const LiveLatencyOptions& o) {
-  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
+  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = o.folder});
   if (o.history > 0)
-    if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
+    if (const Status ready = PrepareHistory(rig, o); !ready) return ReportError(ready.error());
   const auto served = Serve(rig, o);
   if (!served) return ReportError(served.error());
   const int nice = rig.nice();
