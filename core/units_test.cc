@@ -55,7 +55,7 @@ TEST(Units, AreFoundAsPeopleTypeThem) {
 
 TEST(Units, SizesOfEffectsReadAsPressuresToo) {
   EXPECT_EQ(EffectUnitFor("Pa/m").name, "bar/m");
-  EXPECT_EQ(3e6 * EffectUnitFor("Pa/m").factor, 30);
+  EXPECT_DOUBLE_EQ(3e6 * EffectUnitFor("Pa/m").factor, 30);
 }
 
 TEST(Nearest, NamesNoWordThatHasNothingInCommon) {

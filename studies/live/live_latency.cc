@@ -33,7 +33,6 @@ void Print(const char* what, const std::string& value, const std::string& requir
 /// s, p99 of stroke sent to estimate stored.
 double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100; }
 
-/// The past of a press that has worked for long, judged by its drift watch.
 Status FillDatabase(const LiveRig& rig, const Machine& machine, const LiveLatencyOptions& o) {
   PressOptions press;
   press.seconds = kHistorySeconds;
@@ -53,7 +52,8 @@ Status FillDatabase(const LiveRig& rig, const Machine& machine, const LiveLatenc
   return {};
 }
 
-/// One that lies in the folder already is taken as it is.
+/// The past of a press that has worked for long, judged by its drift watch; a database that lies in the folder already is
+/// taken as it is.
 Status PrepareHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
   const auto machine = TRY(LoadMachine(rig.File("service.toml")));
   if (!std::filesystem::exists(rig.database())) TRY(FillDatabase(rig, machine, o));
