@@ -32,15 +32,17 @@ void QualityMonitor::FlagSpikes(const double* x, std::size_t rows, const Track& 
   }
 }
 
-/// Readings that step away together and, at most kLongestPulse rows later, back to where they were; of the very same reading
-/// they are a filled gap.
+/// Readings that step away together and, at most kLongestPulse rows later, back to where they were, both times as far as a
+/// spike; of the very same reading they are a filled gap. The row behind them is a candidate by itself (Count), so that it
+/// makes no difference what else is looked at with it.
 void QualityMonitor::FlagPulses(const double* x, std::size_t rows, const Track& track, Quality* flags) {
-  if (!track.settled) return;
-  const double least = LeastStep(track);
+  if (!track.settled || track.is_marker) return;
+  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
+  const double least = kSpikeStd * kTwiceDistanceStd * sigma;
   for (std::size_t i = 0; i < rows; ++i) {
     const double* after = x + i;
-    const double out = after[0] - after[-1];
-    if (!(std::abs(out) > least)) continue;
+    const double out = after[0] - after[-1], bend = (after[1] - after[0]) - out;
+    if (!(std::abs(out) > least && bend * bend > least * least)) continue;
     for (std::size_t run = 2; run <= kLongestPulse && after - run - kHistory >= column_.data(); ++run) {
       const double* first = after - run;
       const double in = first[0] - first[-1], step = std::min(std::abs(in), std::abs(out));
@@ -57,14 +59,16 @@ void QualityMonitor::FlagPulses(const double* x, std::size_t rows, const Track& 
   }
 }
 
-/// Rows since the oldest step, as sharp as a spike's, that a pulse may have begun with which cannot be judged yet.
+/// Rows since the oldest step that a pulse may have begun with which cannot be judged yet. Steps count from less than half of what
+/// FlagPulses asks for: the scale may fall a little until it does. Of many rows at once, in which it may fall far, the most
+/// are held.
 std::size_t QualityMonitor::PulseUnderWay(const SampleBlock& block) {
   constexpr unsigned kLooked = (1U << (kLongestPulse + kAhead)) - 1;  // steps into that many rows
   std::size_t longest = 0;
   for (std::size_t channel = 0; channel < tracks_.size(); ++channel) {
     Track& track = tracks_[channel];
     const std::vector<double>& x = block.signal[channel];
-    const double least = track.changes_often && track.settled ? LeastStep(track) : kInfinity;
+    const double least = block.rows() > kFrame ? -1 : track.scale > 0 ? LeastStep(track) : kInfinity;
     for (std::size_t k = x.size() - std::min<std::size_t>(x.size(), std::bit_width(kLooked)); k < x.size();
          ++k) {
       const double before = k > 0 ? x[k - 1] : track.last;

@@ -36,7 +36,7 @@ Status FillMachine(Database& database, std::size_t axis, std::int64_t strokes, P
   machine.name = fmt::format("cushion {}", axis + 1);
   auto log = TRY(StrokesOf(SimulatePress(press), machine));
   return StoreOverAndOver(
-      database, machine.name, FormatMachine(machine), log, strokes, [&](std::int64_t stored) {
+      database, machine.name, FormatMachine(machine), log, strokes, strokes, [&](std::int64_t stored) {
         progress.Update(
             (static_cast<double>(axis) + static_cast<double>(stored) / static_cast<double>(strokes)) / 4,
             stored);

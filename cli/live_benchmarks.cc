@@ -24,10 +24,16 @@ void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
       ->add_option("--history", o->history,
                    "Strokes of each axis that the database holds already; 40 kB each")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--grams", o->grams,
+                   "Newest of these that have their sums of products; older ones hold all else, 1 kB each")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--folder", o->folder,
+                      "Folder that is kept: the history is filled once, later runs begin on its database");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark live-latency\n"
-      "  hydroscope benchmark live-latency --axes 64 --rate 500");
+      "  hydroscope benchmark live-latency --axes 64 --rate 500 --history 100000 --grams 2000");
 }
 
 void AddLiveKill(CLI::App& benchmark, int& exit_code) {

@@ -12,6 +12,7 @@ EffectUnit EffectUnitFor(std::string_view si) {
   if (si == "1/K") return {1e2, "%/K"};
   if (si == "1/s") return {6e3, "%/min"};
   if (si == "Pa/s") return {60 * kBar, "bar/min"};
+  if (si == "Pa/m") return {kBar, "bar/m"};
   if (si == "Pa2") return {kBar * kBar, "bar^2"};
   if (si == "s2") return {1e6, "ms^2"};
   if (si == "Pa s/m3") return {kBar / kLitresPerMinute, "bar per l/min"};

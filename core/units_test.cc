@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/effect_units.h"
+
 namespace hydroscope {
 namespace {
 
@@ -49,6 +51,11 @@ TEST(Units, AreFoundAsPeopleTypeThem) {
     EXPECT_EQ(unit->offset, expected->offset) << typed;
   }
   EXPECT_FALSE(FindUnit("1/V²"));
+}
+
+TEST(Units, SizesOfEffectsReadAsPressuresToo) {
+  EXPECT_EQ(EffectUnitFor("Pa/m").name, "bar/m");
+  EXPECT_DOUBLE_EQ(3e6 * EffectUnitFor("Pa/m").factor, 30);
 }
 
 TEST(Nearest, NamesNoWordThatHasNothingInCommon) {

@@ -405,6 +405,7 @@ void LiveService::UpdateStatus(HostTime now) {
   LiveStatus status;
   status.machine = model_->machine.name;
   status.counted = CountedWordsOf(model_->machine);
+  status.kind = KindOf(model_->machine).id;
   status.database = options_.database;
   status.taken = now.monotonic_ns;
   status.state = stop_ ? "stopping" : "running";

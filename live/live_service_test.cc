@@ -178,6 +178,10 @@ TEST_F(LiveServiceTest, StatusAndMetricsTellChannelsAxesAndCounters) {
     EXPECT_EQ(json.at("channels").size(), 8u);
     EXPECT_EQ(json.at("axes")[0].at("counters").at("rows"), 10'000);
     EXPECT_THAT(StatusText(json), HasSubstr("press/left"));
+    nlohmann::json fitted = json;
+    fitted["axes"][0]["estimates"] = {{"y_0", {{"value", 0.0086229}, {"std", 0.00025}, {"unit", "1"}}},
+                                      {"K", {{"value", 1.2e9}, {"std", nullptr}, {"unit", "Pa"}}}};
+    EXPECT_THAT(StatusText(fitted), HasSubstr("K 12000 bar, y_0 0.862 ± 0.049 % of stroke"));
     nlohmann::json pure = json;
     pure["channels"][0].update({{"unit", "1"}, {"value", 0.4672}, {"noise_std", 0.00018}});
     EXPECT_THAT(StatusText(pure),

@@ -14,6 +14,8 @@
 #include "core/printable.h"
 #include "core/time_text.h"
 #include "core/units.h"
+#include "models/machine_kind.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -306,12 +308,18 @@ std::string ChannelTable(const json& channels) {
   return text;
 }
 
-std::string AxesText(const json& axes, const std::string& counted) {
+/// "12331 ± 420 bar", as `fit` prints it.
+std::string EstimateShown(const MachineKind& kind, const std::string& name, const json& e) {
+  if (!e.at("value").is_number() || !e.at("std").is_number()) return Shown(e.at("value"), Word(e, "unit"));
+  return ParameterWithInterval(kind, name, Real(e, "value"), Real(e, "std"), Word(e, "unit"));
+}
+
+std::string AxesText(const json& axes, const std::string& counted, const MachineKind& kind) {
   std::string text;
   for (const json& a : axes) {
     text += fmt::format("\n{}: {} {}s", Word(a, "name"), Count(a, "strokes"), counted);
     for (const auto& [name, e] : a.at("estimates").items())
-      text += fmt::format(", {} {}", name, Shown(e.at("value"), Word(e, "unit")));
+      text += fmt::format(", {} {}", name, EstimateShown(kind, name, e));
     text += "\n ";
     for (const auto& [name, count] : a.at("counters").items())
       if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());
@@ -392,6 +400,7 @@ json StatusJson(const LiveStatus& s) {
               {"database", s.database},
               {"state", s.state},
               {"counted", s.counted.one},
+              {"kind", s.kind},
               {"uptime_s", s.uptime},
               {"limits", s.limits.english},
               {"malformed", s.malformed},
@@ -429,13 +438,15 @@ json StatusJson(const LiveStatus& s) {
 
 std::string StatusText(const json& s) {
   const auto counted = s.value("counted", std::string("stroke"));  // an older service does not say
+  Machine machine;
+  machine.model = s.value("kind", std::string());
   return fmt::format("{} {}, up {}, database {}\n", Word(s, "machine"), Word(s, "state"),
                      Age(s.at("uptime_s")), Word(s, "database")) +
          WriterText(s, counted) +
          fmt::format("process     {:.1f} s of processor, {} MB, {} descriptors\n\n", Real(s, "cpu_s"),
                      Count(s, "memory_bytes") >> 20, Count(s, "descriptors")) +
          SourcesText(s) + FeedsText(s.at("feeds")) + DriftText(s.at("drift")) +
-         ChannelTable(s.at("channels")) + AxesText(s.at("axes"), counted);
+         ChannelTable(s.at("channels")) + AxesText(s.at("axes"), counted, KindOf(machine));
 }
 
 std::string PrometheusText(const LiveStatus& s) {

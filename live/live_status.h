@@ -58,6 +58,7 @@ struct AxisStatus {
 struct LiveStatus {
   std::string machine, database, state;  ///< state: "running", "stopping"
   CountedWords counted;                  ///< what the machine is judged by
+  std::string kind;                      ///< of the machine, "die_cushion"
   double uptime = 0;                     ///< s
   std::int64_t taken = 0;                ///< ns, monotonic, when channels and axes were looked at
   Told limits;                           ///< result of the last reload, "" = none yet

@@ -81,6 +81,20 @@ void ExpectTexts(const Machine& machine) {
                  UnitOfEquation(machine, term.parameter));
 }
 
+TEST(KindsWithStates, LawsOfEffectsSayWhatMovesByMoreThanModelled) {
+  for (const MachineKind* kind : BuiltInKinds()) {
+    const auto machine = ParseMachine(FileOf(*kind, true), "conformance");
+    ASSERT_TRUE(machine) << machine.error().text;
+    for (const Effect& effect : StateEffectsOf(*machine)) {
+      if (effect.law.find("(" + effect.adds.front().expression + ")") == effect.law.npos) continue;
+      const std::string& name = effect.adds.front().parameter;
+      const bool state = StateIndex(*machine, name) >= 0;
+      EXPECT_TRUE(effect.law.starts_with(state ? "d" + name + "/dt = ... + (" : name + " = ... + ("))
+          << kind->id << " " << effect.id << ": " << effect.law;
+    }
+  }
+}
+
 TEST(KindsWithStates, HaveEquationsInTheirUnitsThatBuild) {
   for (const MachineKind* kind : BuiltInKinds())
     for (const bool all : {false, true}) {

@@ -5,23 +5,6 @@
 #include "models/machine_kind.h"
 
 namespace hydroscope {
-
-DisplayUnit OutputUnit(const ModelStructure* model) {
-  DisplayUnit unit = DisplayUnitFor(model == nullptr ? std::string_view("m3/s") : model->output_unit);
-  unit.offset = 0;  // errors are differences
-  return unit;
-}
-
-DisplayUnit OutputUnit(const Machine& machine) {
-  DisplayUnit unit = DisplayUnitFor(OutputSi(machine));
-  unit.offset = 0;
-  return unit;
-}
-
-DisplayUnit UnitOfErrors(const Machine& machine) {
-  return machine.states.outputs.size() > 1 ? kOfVariation : OutputUnit(machine);
-}
-
 namespace {
 
 /// As the machine file states it; "" where it states none.
@@ -35,6 +18,33 @@ std::string_view StatedUnit(const Machine& machine, std::string_view name) {
 }
 
 }  // namespace
+
+DisplayUnit OutputUnit(const ModelStructure* model) {
+  DisplayUnit unit = DisplayUnitFor(model == nullptr ? std::string_view("m3/s") : model->output_unit);
+  unit.offset = 0;  // errors are differences
+  return unit;
+}
+
+DisplayUnit OutputUnit(const Machine& machine) {
+  const auto& outputs = machine.states.outputs;
+  const std::string_view signal = outputs.empty()       ? std::string_view(machine.balance.output)
+                                  : outputs.size() == 1 ? std::string_view(outputs.front().signal)
+                                                        : std::string_view();
+  DisplayUnit unit =
+      StatedUnit(machine, signal).empty() ? DisplayUnitFor(OutputSi(machine)) : ShownUnit(machine, signal);
+  unit.offset = 0;
+  return unit;
+}
+
+DisplayUnit UnitOfRecord(const Machine& machine, std::string_view si) {
+  DisplayUnit unit = si == OutputSi(machine) ? OutputUnit(machine) : DisplayUnitFor(si);
+  unit.offset = 0;
+  return unit;
+}
+
+DisplayUnit UnitOfErrors(const Machine& machine) {
+  return machine.states.outputs.size() > 1 ? kOfVariation : OutputUnit(machine);
+}
 
 DisplayUnit ShownUnit(const Machine& machine, std::string_view name) {
   const std::string_view stated = StatedUnit(machine, name);

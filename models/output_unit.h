@@ -9,10 +9,12 @@
 namespace hydroscope {
 
 /// The unit in which people read the output of a model and its errors: l/min for the flows of a die cushion (and if
-/// there is no model), N for a force balance.
+/// there is no model), that of the signal where the output is one (ShownUnit), else the usual one. The model must outlive it.
 DisplayUnit OutputUnit(const ModelStructure* model);
-/// The same of the model that a machine file describes.
+/// The same of the model that a machine file describes, which must outlive it.
 DisplayUnit OutputUnit(const Machine& machine);
+/// That of an error of the machine's model that was kept in `si`.
+DisplayUnit UnitOfRecord(const Machine& machine, std::string_view si);
 /// That of a machine's errors in texts: several outputs err by a share of their variation.
 DisplayUnit UnitOfErrors(const Machine& machine);
 inline constexpr DisplayUnit kOfVariation = {100, 0, "% of the outputs' variation"};

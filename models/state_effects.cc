@@ -13,11 +13,15 @@ namespace {
 
 constexpr double kAnySize = std::numeric_limits<double>::infinity();
 
-/// What lists and messages show of an effect that is texts.
-void Describe(Effect& e) {
+/// What lists and messages show of an effect that is texts: states move by more than the model says ("dp/dt = ... +
+/// (-k*p)"), outputs read more.
+void Describe(const Machine& machine, Effect& e) {
   if (e.law.empty())
-    for (const TermSpec& term : e.adds)
-      e.law += fmt::format("{}{} + ({})", e.law.empty() ? "" : ", ", term.parameter, term.expression);
+    for (const TermSpec& term : e.adds) {
+      const bool state = StateIndex(machine, term.parameter) >= 0;
+      e.law += fmt::format("{}{}{}{} = ... + ({})", e.law.empty() ? "" : ", ", state ? "d" : "",
+                           term.parameter, state ? "/dt" : "", term.expression);
+    }
   e.parameter.clear();
   for (const ParameterSpec& p : e.parameters) e.parameter += (e.parameter.empty() ? "" : ", ") + p.name;
   if (e.parameters.size() == 1) e.unit = e.parameters.front().unit;
@@ -28,7 +32,7 @@ void Describe(Effect& e) {
 
 }  // namespace
 
-Effect DescribeStateEffect(const UserEffectSpec& spec) {
+Effect DescribeStateEffect(const Machine& machine, const UserEffectSpec& spec) {
   Effect e;
   e.id = spec.id;
   e.title = spec.description.empty() ? spec.id : spec.description;
@@ -36,7 +40,7 @@ Effect DescribeStateEffect(const UserEffectSpec& spec) {
   e.plain = "An effect of the machine file.";
   e.adds = spec.adds;
   e.parameters = spec.parameters;
-  Describe(e);
+  Describe(machine, e);
   return e;
 }
 
@@ -49,10 +53,11 @@ std::vector<Effect> StateEffectsOf(const Machine& machine) {
         return StateIndex(machine, term.parameter) < 0 && OutputIndex(machine, term.parameter) < 0;
       });
       if (e.adds.empty()) continue;
-      Describe(e);
+      Describe(machine, e);
       effects.push_back(std::move(e));
     }
-  for (const UserEffectSpec& spec : machine.user_effects) effects.push_back(DescribeStateEffect(spec));
+  for (const UserEffectSpec& spec : machine.user_effects)
+    effects.push_back(DescribeStateEffect(machine, spec));
   return effects;
 }
 

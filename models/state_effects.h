@@ -12,6 +12,6 @@ std::vector<Effect> StateEffectsOf(const Machine& machine);
 const Effect* FindStateEffect(const std::vector<Effect>& effects, const std::string& id);
 
 /// An [[effect]] of a machine file with states, for the library.
-Effect DescribeStateEffect(const UserEffectSpec& spec);
+Effect DescribeStateEffect(const Machine& machine, const UserEffectSpec& spec);
 
 }  // namespace hydroscope

@@ -43,7 +43,7 @@ std::vector<Told> Moved(const ChangeResult& result) {
 
 Told ErrorText(const ChangeResult& result) {
   const Explanation& after = result.after.explanation;
-  const DisplayUnit unit = OutputUnit(result.after.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.after.log.machine);
   if (after.steps.size() < 2) return {};
   return Tell("; error on strokes left out {:.3g} -> {:.3g} {}",
               "; Fehler auf ausgelassenen Hüben {:.3g} -> {:.3g} {}", after.base.rms_holdout * unit.factor,

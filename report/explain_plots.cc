@@ -51,7 +51,7 @@ std::string StaircasePlot(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   RowPlot plot;
   plot.title = "error on strokes left out, step by step";
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   plot.x_label = fmt::format("error on strokes left out, rms ({})", unit.name);
   plot.bars = true;
   for (const ExplainStep& step : x.steps) {
@@ -95,15 +95,16 @@ std::string RankingPlot(const ExplainResult& result) {
 
 std::string ResidualMap(const ExplainResult& result, bool diverging) {
   if (result.location.pairs.empty() || result.signals.empty()) return "";
-  return ErrorMapPlot(ShownPair(result), result.signals, OutputUnit(result.log.model.get()), diverging);
+  return ErrorMapPlot(ShownPair(result), result.signals, OutputUnit(result.log.machine), diverging);
 }
 
-std::string HistoryPlot(const std::vector<ModelRecord>& history) {
+std::string HistoryPlot(const Machine& machine) {
+  const std::vector<ModelRecord>& history = machine.model_history;
   RowPlot plot;
   plot.title = "versions of the model";
   DisplayUnit unit = DisplayUnitFor("m3/s");
   for (const ModelRecord& record : history)
-    if (record.judged()) unit = DisplayUnitFor(record.unit);
+    if (record.judged()) unit = UnitOfRecord(machine, record.unit);
   plot.x_label = fmt::format("error on strokes left out, rms ({})", unit.name);
   plot.bars = true;
   plot.label_width = 250;

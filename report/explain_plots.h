@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "models/model_history.h"
+#include "models/machine.h"
 #include "report/report.h"
 #include "workbench/explain/explain_log.h"
 
@@ -21,6 +21,6 @@ std::string RankingPlot(const ExplainResult& result);
 std::string ResidualMap(const ExplainResult& result, bool diverging);
 
 /// SVG of the versions of a model: error on strokes left out of those that were judged; "" if fewer than two were.
-std::string HistoryPlot(const std::vector<ModelRecord>& history);
+std::string HistoryPlot(const Machine& machine);
 
 }  // namespace hydroscope

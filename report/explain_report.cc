@@ -54,7 +54,7 @@ std::string Headline(const ExplainResult& result) {
 
 std::string ErrorSentence(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const auto shown = [&](double si) {
     return fmt::format("{} {}", FormatShort(si * unit.factor), unit.name);
   };
@@ -130,7 +130,7 @@ std::string Maps(const ExplainResult& result) {
   out +=
       "<div class=\"sheet\"><table><tr><th>The error sits at</th><th class=\"number\">error, rms</th>"
       "<th class=\"number\">share of the error</th><th class=\"number\">share of the data</th></tr>";
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   for (const Located& l : result.location.located)
     out += fmt::format(
         "<tr><td>{} from {} to {} {}</td><td class=\"number\">{} {}</td><td class=\"number\">{} %</td>"
@@ -194,7 +194,7 @@ std::string Parameters(const ExplainResult& result) {
 }
 
 std::string History(const ExplainResult& result) {
-  const std::string plot = HistoryPlot(result.log.machine.model_history);
+  const std::string plot = HistoryPlot(result.log.machine);
   return plot.empty() ? ""
                       : "<h2>Versions of the model</h2>\n" +
                             Figure(plot,

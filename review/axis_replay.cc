@@ -8,6 +8,7 @@
 #include "host/text_file.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "models/output_unit.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/episode_pipeline.h"
 #include "pipeline/log_fingerprint.h"
@@ -246,6 +247,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
 
 void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
   overlays_ = collector.overlays.Choose(run.first_sequence);
+  for (StrokeOverlay& overlay : overlays_) overlay.unit = OutputUnit(machine_);
   strokes_ = collector.strokes.Finish(collector.pipeline);
   overlay_run_ = run.id;
 }

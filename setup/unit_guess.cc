@@ -273,7 +273,7 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
       return PositionBySize(column);
     case Role::kOilTemperature:
       if (column.low > 220) return {"K", 1, 0, Tell("{} fit K", "{} passen zu K", Size(column))};
-      return {"degC", 1, 0, Tell("{} fit degC", "{} passen zu degC", Size(column)),
+      return {"degC", 1, 0, Tell("{} fit °C", "{} passen zu °C", Size(column)),
               column.low > -40 && column.high < 150};
     default:
       return {"N", 1, 0, Tell("{} taken as N", "{} als N genommen", Size(column)), false};

@@ -10,7 +10,7 @@ constexpr std::size_t kBatch = 500;  // strokes of one transaction
 }  // namespace
 
 Status StoreOverAndOver(Database& database, const std::string& name, const std::string& model_text,
-                        const LogStrokes& log, std::int64_t strokes,
+                        const LogStrokes& log, std::int64_t strokes, std::int64_t grams,
                         const std::function<void(std::int64_t)>& progress) {
   const auto id = TRY(database.MachineId(name));
   const auto version = TRY(database.PutModelVersion(
@@ -18,7 +18,8 @@ Status StoreOverAndOver(Database& database, const std::string& name, const std::
   const auto run = TRY(database.BeginRun(id, version, "simulated", "over and over"));
   std::vector<StrokeRecord> batch;
   for (std::int64_t k = 0; k < strokes; ++k) {
-    batch.push_back(log.strokes[static_cast<std::size_t>(k) % log.strokes.size()]);
+    const StrokeRecord& stroke = log.strokes[static_cast<std::size_t>(k) % log.strokes.size()];
+    batch.push_back({stroke.summary, strokes - k <= grams ? stroke.gram : StrokeGram(), stroke.estimates});
     batch.back().summary.index = k;
     if (batch.size() < kBatch && k + 1 < strokes) continue;
     TRY(database.StoreStrokes(run.id, batch));

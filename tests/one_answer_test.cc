@@ -146,6 +146,15 @@ TEST_F(OneAnswer, FitAndCheckShowTheSizesOfAddedEffects) {
   EXPECT_EQ(check["parameters"]["internal_leakage.G"]["verdict"], "good") << check["parameters"].dump(1);
 }
 
+TEST_F(OneAnswer, CheckAdvisesACommandOnTheTerminalAndWhatToDoElsewhere) {
+  const std::string log = Simulate("leak.csv", 90, 4, {"--effect", "internal_leakage=4e-12"});
+  EXPECT_THAT(Run({"check", log, "-m", Cushion()}).out,
+              HasSubstr("find what the model misses first: 'hydroscope explain'"));
+  const nlohmann::json k = Json({"check", log, "-m", Cushion()})["parameters"]["K"];
+  EXPECT_EQ(k["advice"], "find what the model misses first");
+  EXPECT_EQ(k["german"]["advice"], "erst finden, was dem Modell fehlt");
+}
+
 TEST_F(OneAnswer, OfAnOwnMachineOfLevels) {
   const std::string machine = Machine(OwnMachine("k = \"x\", c = \"1\"", kFriction));
   ExpectOneAnswer(VoltageLog(File("good.csv"), {.speed = 0}), machine);

@@ -1,5 +1,6 @@
 // A machine of the user's own is told of in its own quantities and in the units of its file.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -83,6 +84,28 @@ TEST_F(Motor, AParameterMayBeInUnitsOfTorqueAndOneThatIsNoSiUnitIsNamed) {
   EXPECT_EQ(torque.exit_code, 0) << torque.err;
   EXPECT_THAT(torque.out, HasSubstr(" Nm s"));
   EXPECT_THAT(with("kW").err, HasSubstr("the SI unit \"W\""));
+}
+
+TEST_F(Motor, AnOutputInKilowattsErrsInKilowattsEverywhere) {
+  std::string power = kMotor;
+  const std::string torque = "output = \"M\"\nterms = { V_g = \"dp\", c = \"-n\", M_c = \"-sign(n)\" }\n";
+  power.replace(power.find(torque), torque.size(),
+                "output = \"P\"\nterms = { V_g = \"dp*n\", c = \"-n^2\" }\n");
+  WriteText(File("power.toml"), power + "[[effect]]\nid = \"windage\"\nterms = { k = \"-abs(n)\" }\n");
+  const std::vector<std::string> log = {File("motor.csv"), "--machine", File("power.toml")};
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.end(), log.begin(), log.end());
+    return Run(words);
+  };
+  for (const char* command : {"fit", "compare", "explain"}) {
+    const Ran ran = run({command});
+    EXPECT_THAT(ran.out, HasSubstr(" kW")) << command << ran.err;
+    EXPECT_THAT(ran.out, Not(testing::ContainsRegex("[0-9] W[ ,;\n]"))) << command;
+  }
+  EXPECT_THAT(run({"fit"}).out, HasSubstr("the model misses windage;"));
+  ASSERT_EQ(run({"model", "add", "windage"}).exit_code, 0);
+  EXPECT_THAT(Run({"model", "history", "--machine", File("power.toml")}).out,
+              HasSubstr("Error on strokes left out, kW;"));
 }
 
 TEST_F(Motor, AFileProposedForItKeepsTheNamesOfItsColumns) {

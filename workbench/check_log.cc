@@ -73,10 +73,10 @@ void DoubtSlowRows(CheckResult& check) {
 void SendToExplain(CheckResult& check) {
   if (!check.suspicion.ExplainSaysMore()) return;
   for (CheckedParameter& parameter : check.parameters)
-    if (parameter.verdict == Identifiability::kWeak)
-      parameter.advice =
-          Tell("find what the model misses first: 'hydroscope explain' with the same arguments",
-               "erst finden, was dem Modell fehlt: 'hydroscope explain' mit denselben Argumenten");
+    if (parameter.verdict == Identifiability::kWeak) {
+      parameter.explain_first = true;
+      parameter.advice = Tell("find what the model misses first", "erst finden, was dem Modell fehlt");
+    }
 }
 
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {

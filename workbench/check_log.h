@@ -30,6 +30,7 @@ const char* IdentifiabilityName(Identifiability verdict);
 struct CheckedParameter {
   Estimate estimate;  ///< of the batch fit; only `parameter` and `unit` if there is no fit
   Identifiability verdict = Identifiability::kNot;
+  bool explain_first = false;                ///< `advice` is to find what the model misses
   Told reason;                               ///< why it is not good, "" if it is
   Told advice;                               ///< what to record to get it, "" if it is good
   std::vector<std::string> confounded_with;  ///< Confounding::effects

@@ -185,7 +185,9 @@ std::string Identification(const CheckResult& check) {
       text += fmt::format("(± {} %)", ShortNumber(100 * HalfWidth(p.estimate), 2));
     text += "\n";
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);
-    if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice.english);
+    if (!p.advice.empty())
+      text += fmt::format("           advice: {}{}\n", p.advice.english,
+                          p.explain_first ? ": 'hydroscope explain' with the same arguments" : "");
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = UnitOfErrors(check.machine);

@@ -67,7 +67,7 @@ std::string OverallText(const CompareResult& result) {
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: compared on its first {} {} of {}.\n", result.strokes,
                         counted.many, result.log.strokes.size());
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const MachineWords& words = result.log.model->words;
   text += fmt::format(
       "\n{}, rms in {}\n"
@@ -100,7 +100,7 @@ std::string OverallText(const CompareResult& result) {
 std::string StrokesText(const CompareResult& result) {
   constexpr std::size_t kShown = 40;
   const std::size_t worst = result.WorstStroke();
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const CountedWords counted = CountedWordsOf(result.log.machine);
   const DisplayUnit run = RunUnit(result);
   const bool runs = std::ranges::any_of(result.per_stroke,
@@ -202,7 +202,7 @@ nlohmann::json StrokeJson(const StrokeComparison& s, double factor, double run_f
 nlohmann::json StrokesJson(const CompareResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const StrokeComparison& s : result.per_stroke) {
-    out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor, RunUnit(result).factor));
+    out.push_back(StrokeJson(s, OutputUnit(result.log.machine).factor, RunUnit(result).factor));
     out.back()["stroke"] = s.stroke;
     if (!s.log.empty()) out.back()["log"] = s.log;
     out.back()["begin"] = JsonNumber(s.begin);
@@ -229,7 +229,7 @@ std::string CompareText(const CompareResult& result) {
   const ModelHeadline headline = HeadlineOfComparison(result);
   std::string text = headline.text + "\n" + WarningsText(Warnings(result));
   text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
-          LocatedText(result.location.located, OutputUnit(result.log.model.get()));
+          LocatedText(result.location.located, OutputUnit(result.log.machine));
   if (headline.standing == ModelStanding::kMisses)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
   return text;
@@ -237,7 +237,7 @@ std::string CompareText(const CompareResult& result) {
 
 nlohmann::json CompareJson(const CompareResult& result) {
   const Whiteness& w = result.whiteness;
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   nlohmann::json out = StrokeJson(result.overall, unit.factor, RunUnit(result).factor);
   out["unit"] = unit.name;
   out["strokes"] = result.strokes;

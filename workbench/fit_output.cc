@@ -67,7 +67,7 @@ std::string FitText(const FitResult& result) {
                         : trusted                      ? ""
                                   : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   text += fmt::format(
       "\nmodel error on strokes left out {} {}, sensor noise alone would cause {} {}\n"
       "{}, {} of {} rows used\n",
@@ -96,7 +96,7 @@ nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
 }
 
 nlohmann::json FitJson(const FitResult& result) {
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   nlohmann::json assumed = nlohmann::json::array();
   for (const AssumedTolerance& tolerance : result.assumed)
     assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});

@@ -20,7 +20,7 @@ constexpr Wording kAbsorb = {
 /// "Internal leakage past the piston seal (internal_leakage)".
 Told TitleOf(const ExplainResult& explained, const std::string& id) {
   const Effect* effect = explained.FindEffect(id);
-  if (effect == nullptr) return {id, id};
+  if (effect == nullptr || effect->title == id) return {id, id};
   return Tell("{} ({})", "{} ({})", Told(effect->title, effect->german.title), id);
 }
 

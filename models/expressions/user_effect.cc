@@ -66,7 +66,7 @@ std::string ParameterUnit(const TermSpec& term, const ExpressionUnit& expression
 
 Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec,
                           const std::string& output_unit) {
-  if (!spec.adds.empty()) return DescribeStateEffect(spec);
+  if (!spec.adds.empty()) return DescribeStateEffect(machine, spec);
   const TermSpec& term = spec.terms.at(0);
   Effect e;
   e.id = spec.id;

@@ -52,7 +52,8 @@ TEST(MachineFileDamage, AMissingFileIsNamed) {
   const auto machine = LoadMachine("/nowhere/press.toml");
   ASSERT_FALSE(machine);
   EXPECT_EQ(machine.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(machine.error().text, HasSubstr("/nowhere/press.toml"));
+  EXPECT_THAT(machine.error().text,
+              HasSubstr("`hydroscope init LOG --out /nowhere/press.toml` proposes one"));
 }
 
 TEST(MachineFileDamage, AFolderIsNoMachineFile) {

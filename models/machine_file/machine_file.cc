@@ -59,6 +59,10 @@ void FillGeometry(Machine& machine) {
 Result<Machine> LoadMachine(const std::string& path) {
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (failure == std::errc::no_such_file_or_directory)
+    return BadInput(Tell(
+        "{0}: there is no such machine file; `hydroscope init LOG --out {0}` proposes one",
+        "{0}: diese Maschinendatei gibt es nicht; `hydroscope init LOG --out {0}` schlägt eine vor", path));
   if (failure)
     return BadInput(Tell("{}: the machine file cannot be read: {}",
                          "{}: die Maschinendatei kann nicht gelesen werden: {}", path, failure.message()));

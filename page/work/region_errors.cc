@@ -11,7 +11,7 @@ void RegionErrors::Take(const CompareResult& compared) {
   strokes_.clear();
   for (const StrokeComparison& stroke : compared.per_stroke) strokes_.push_back(stroke.stroke);
   residuals_ = compared.residuals;
-  unit_ = OutputUnit(compared.log.model.get());
+  ShowIn(OutputUnit(compared.log.machine));
 }
 
 void RegionErrors::Take(const StatesFit& compared) {
@@ -19,7 +19,7 @@ void RegionErrors::Take(const StatesFit& compared) {
   effects_.clear();
   for (const StatePiece& piece : compared.fit.pieces) strokes_.push_back(piece.episode);
   residuals_ = compared.located.front().residuals;
-  unit_ = compared.located.front().unit;
+  ShowIn(compared.located.front().unit);
 }
 
 void RegionErrors::Take(const ExplainResult& explained) {
@@ -45,7 +45,7 @@ nlohmann::json RegionErrors::ModelledWith(const std::string& effect, std::int64_
   const std::vector<double>& modelled = with->modelled[place];
   if (modelled.size() != residuals_.strokes[place].modelled.size()) return nullptr;
   nlohmann::json shown = nlohmann::json::array();
-  for (const double value : modelled) shown.push_back(value * unit_.factor);
+  for (const double value : modelled) shown.push_back(value * factor_);
   return shown;
 }
 
@@ -53,9 +53,7 @@ Result<nlohmann::json> RegionErrors::In(const Region& region) const {
   if (residuals_.strokes.empty()) return nlohmann::json();
   const auto errors = TRY(ErrorsIn(region, residuals_, strokes_, effects_));
   const auto json_of = [&](const RegionSums& sums) -> nlohmann::json {
-    return {{"windows", sums.windows},
-            {"rms", sums.Rms() * unit_.factor},
-            {"noise", sums.NoiseRms() * unit_.factor}};
+    return {{"windows", sums.windows}, {"rms", sums.Rms() * factor_}, {"noise", sums.NoiseRms() * factor_}};
   };
   nlohmann::json strokes = nlohmann::json::array(), effects = nlohmann::json::array();
   for (const auto& [stroke, sums] : errors.by_stroke) {
@@ -63,9 +61,9 @@ Result<nlohmann::json> RegionErrors::In(const Region& region) const {
     strokes.back()["stroke"] = stroke;
   }
   for (const auto& [effect, rms] : errors.with_effect)
-    effects.push_back({{"effect", effect}, {"rms", rms * unit_.factor}});
+    effects.push_back({{"effect", effect}, {"rms", rms * factor_}});
   nlohmann::json out = json_of(errors.all);
-  out.update({{"unit", unit_.name}, {"strokes", std::move(strokes)}, {"effects", std::move(effects)}});
+  out.update({{"unit", unit_}, {"strokes", std::move(strokes)}, {"effects", std::move(effects)}});
   return out;
 }
 

@@ -35,9 +35,12 @@ class RegionErrors {
   nlohmann::json ModelledWith(const std::string& effect, std::int64_t stroke) const;
 
  private:
+  void ShowIn(const DisplayUnit& unit) { factor_ = unit.factor, unit_ = unit.name; }
+
   std::vector<std::int64_t> strokes_;  ///< of each of `residuals_`; pieces of an episode follow one another
   Residuals residuals_;
-  DisplayUnit unit_;
+  double factor_ = 1;  ///< from SI to `unit_`
+  std::string unit_;
   std::vector<ModelledWithEffect> effects_;
 };
 

@@ -41,7 +41,7 @@ nlohmann::json FreeRunJson(const FreeRunStroke& run, const FreeRunChannel& chann
 }  // namespace
 
 nlohmann::json StrokePicturesJson(const CompareResult& result) {
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const double step = result.log.window.block * result.log.window.period;
   const auto runs = FreeRun(*result.model.structure, result.log.stretches, result.log.window,
                             ColumnWeights(*result.model.structure, result.model.fit));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace hydroscope {
@@ -14,6 +15,8 @@ struct LiveLatencyOptions {
   bool ring = false;
   std::uint64_t seed = 1;
   std::int64_t history = 0;  ///< strokes of each axis that the database holds already
+  std::int64_t grams = std::numeric_limits<std::int64_t>::max();  ///< newest of these that have their Grams
+  std::string folder = "";  ///< kept, with a database that the next run begins on; "" = a temporary one
 };
 /// Stroke sent to estimate stored, processor share, loss; then the raw window against its replay.
 int RunLiveLatency(const LiveLatencyOptions& options);

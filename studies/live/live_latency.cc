@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include "host/output.h"
@@ -32,9 +33,7 @@ void Print(const char* what, const std::string& value, const std::string& requir
 /// s, p99 of stroke sent to estimate stored.
 double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100; }
 
-/// The past of a press that has worked for long, judged by its drift watch.
-Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
-  const auto machine = TRY(LoadMachine(rig.File("service.toml")));
+Status FillDatabase(const LiveRig& rig, const Machine& machine, const LiveLatencyOptions& o) {
   PressOptions press;
   press.seconds = kHistorySeconds;
   const auto log = TRY(StrokesOf(SimulatePress(press), MachineFor(press)));
@@ -45,11 +44,19 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
   for (int a = 0; a < o.axes; ++a) {
     const std::int64_t before = a * o.history;
     TRY(StoreOverAndOver(
-        database, AxisMachineName(machine, a), text, log, o.history, [&](std::int64_t strokes) {
+        database, AxisMachineName(machine, a), text, log, o.history, o.grams, [&](std::int64_t strokes) {
           progress.Update(static_cast<double>(before + strokes) / static_cast<double>(o.axes * o.history),
                           before + strokes);
         }));
   }
+  return {};
+}
+
+/// The past of a press that has worked for long, judged by its drift watch; a database that lies in the folder already is
+/// taken as it is.
+Status PrepareHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
+  const auto machine = TRY(LoadMachine(rig.File("service.toml")));
+  if (!std::filesystem::exists(rig.database())) TRY(FillDatabase(rig, machine, o));
   const auto watch =
       PressMonitor::Create(rig.File("service.toml"), machine.name, MachinesOfAxes(machine), rig.database());
   return watch ? (*watch)->CatchUp(WallSeconds()) : tl::unexpected(watch.error());
@@ -107,9 +114,9 @@ std::string LatenessOf(LiveRig& rig) {
 }  // namespace
 
 int RunLiveLatency(const LiveLatencyOptions& o) {
-  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
+  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = o.folder});
   if (o.history > 0)
-    if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
+    if (const Status ready = PrepareHistory(rig, o); !ready) return ReportError(ready.error());
   const auto served = Serve(rig, o);
   if (!served) return ReportError(served.error());
   const int nice = rig.nice();
@@ -129,8 +136,11 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
   const bool four = o.axes <= 4 && o.rate <= 1000;  // what the share is required of
-  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, service and press at niceness {}\n",
-             o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
+  const std::string with_grams =
+      o.grams < o.history ? fmt::format(" (the newest {} with Grams)", o.grams) : "";
+  fmt::print(
+      "{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each{}, service and press at niceness {}\n",
+      o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS", measured, o.history, with_grams, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);

@@ -204,6 +204,9 @@ test("a balance of one's own is written over the columns of a log, checked, and 
   await page.selectOption("select[name=kind]", { label: "machine with a balance of its own" });
   await page.waitForSelector(".balance");
   assert.deepEqual((await page.locator(".pin label strong").allInnerTexts()).sort(), ["T_oil", "jack_pressure", "load", "time"]);
+  const oil = await page.locator(".pin", { hasText: "T_oil" }).innerText();
+  assert.match(oil, /°C/);
+  assert.doesNotMatch(oil, /degC/);
   const load = "load", pressure = "jack_pressure";
   await page.fill("input[name=balance-output]", load);
   await page.fill("input[name=balance-name-0]", "A");
@@ -216,7 +219,7 @@ test("a balance of one's own is written over the columns of a log, checked, and 
   await assertAccessible(page, "balance");
   await page.click("button.primary");
   await page.waitForSelector("[data-verdict]");
-  assert.match((await errorsOfVersions(page))[0], /\sN$/);
+  assert.match((await errorsOfVersions(page))[0], /\skN$/);
   assert.match(await (await fetch(`${address}api/v1/machine`)).text(), /\[balance\][^]*A = /);
 });
 

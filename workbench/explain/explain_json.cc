@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kExplainSchema = 2;  ///< 2: `schema` and `warnings`
 
-double Factor(const ExplainResult& result) { return OutputUnit(result.explanation.model.get()).factor; }
+double Factor(const ExplainResult& result) { return OutputUnit(result.log.machine).factor; }
 
 nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& estimate,
                                 const std::vector<double>& nonlinear) {
@@ -237,7 +237,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"noise_floor", x.final.noise_floor * Factor(result)},
       {"strokes", result.strokes},
       {"strokes_in_log", result.log.strokes.size()},
-      {"unit", OutputUnit(x.model.get()).name},
+      {"unit", OutputUnit(result.log.machine).name},
       {"base",
        {{"rms_holdout", result.base.rms_holdout * Factor(result)},
         {"noise_floor", result.base.noise_floor * Factor(result)},

@@ -42,7 +42,7 @@ std::string Described(const ExplainResult& result, const std::string& id) {
 
 std::string ErrorSentence(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const DisplayUnit unit = OutputUnit(x.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   std::string text =
       fmt::format("On {} it has not seen the model errs by {} {}; sensor noise alone would cause {} {}.",
                   CountedWordsOf(result.log.machine).many, ShortNumber(x.base.rms_holdout * unit.factor),
@@ -185,7 +185,7 @@ std::string VerdictText(const ExplainResult& result) {
 std::string StepsText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   constexpr int kBarWidth = 36;
-  const DisplayUnit unit = OutputUnit(x.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const double scale = kBarWidth / std::max(x.base.rms_holdout, x.final.noise_floor);
   const auto line = [&](const std::string& name, double rms, char mark) {
     const int bar = static_cast<int>(std::lround(rms * scale));
@@ -263,7 +263,7 @@ std::string AddedText(const ExplainResult& result) {
 
 std::string RankingText(const ExplainResult& result) {
   if (result.explanation.ranking.empty()) return "";
-  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   std::string text = fmt::format("\nEvery effect tried alone, best first\n  {:<28} {:>7} {:>9}  {}\n", "",
                                  "error", "evidence", "size, ± 95 %");
   for (const RankedEffect& ranked : result.explanation.ranking) {
@@ -302,7 +302,7 @@ std::string UntestableText(const ExplainResult& result) {
 std::string SwapText(const ExplainResult& result) {
   const std::optional<EffectSwap>& swap = result.explanation.swap;
   if (!swap) return "";
-  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   std::string text = swap->in.empty()
                          ? fmt::format("  Take {} out", swap->out)
                          : fmt::format("  Replace {} by {}", swap->out, fmt::join(swap->in, " and "));
@@ -365,7 +365,7 @@ std::string NotFiniteText(const StrokeCounters& totals) {
 
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const DisplayUnit unit = OutputUnit(x.model.get());
+  const DisplayUnit unit = OutputUnit(result.log.machine);
   const CountedWords counted = CountedWordsOf(result.log.machine);
   std::string text =
       VerdictText(result) + OddStrokesText(result) + MeasuredText(result) + ErrorSentence(result);

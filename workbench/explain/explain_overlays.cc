@@ -36,7 +36,7 @@ std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {
     const StrokeResiduals& stroke = base[s];
     StrokeOverlay overlay;
     overlay.output = result.log.model->words.output.english;
-    overlay.unit = OutputUnit(result.log.model.get());
+    overlay.unit = OutputUnit(result.log.machine);
     overlay.sequence = result.log.strokes[s].summary.index;
     overlay.label = label;
     double noise = 0;

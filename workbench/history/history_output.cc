@@ -32,7 +32,7 @@ nlohmann::json MachinesJson(const StrokeHistory& history) {
 /// The model that explains a set of strokes.
 nlohmann::json SideJson(const StrokeHistory& history, const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const double factor = OutputUnit(result.log.model.get()).factor;
+  const double factor = OutputUnit(result.log.machine).factor;
   nlohmann::json effects = nlohmann::json::object();
   for (const EffectEstimate& e : x.final.effects) {
     const Effect& effect = result.effect(e.choice.effect);
@@ -164,7 +164,7 @@ nlohmann::json HistoryJson(const StrokeHistory& history, const ExplainResult& re
 
 std::string ChangeText(const ChangeResult& result) {
   const Explanation &before = result.before.explanation, &after = result.after.explanation;
-  const DisplayUnit unit = OutputUnit(result.after.log.model.get());
+  const DisplayUnit unit = OutputUnit(result.after.log.machine);
   const CountedWords counted = CountedWordsOf(result.after.log.machine);
   const auto shown = [&](double rms) { return ShortNumber(rms * unit.factor); };
   std::string text = VerdictText(result);

@@ -6,9 +6,9 @@
 #include "core/counted_words.h"
 #include "core/short_number.h"
 #include "core/told_error.h"
-#include "core/units.h"
 #include "host/text_file.h"
 #include "models/machine_kind.h"
+#include "models/output_unit.h"
 #include "pipeline/log_trust.h"
 #include "workbench/held_out_log.h"
 #include "workbench/model/model_edit.h"
@@ -113,10 +113,11 @@ std::string EvidenceHint(const Evidence& evidence, const std::string& path) {
 }
 
 /// The errors on the log held out, and what speaks against adding there.
-void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds, ModelChanged& changed) {
+void TellHeldOut(const Machine& next, const Evidence& evidence, const std::string& effect, bool adds,
+                 ModelChanged& changed) {
   if (!evidence.held_out) return;
   const auto& [before, after] = *evidence.held_out;
-  const DisplayUnit unit = DisplayUnitFor(evidence.next->record.unit);
+  const DisplayUnit unit = UnitOfRecord(next, evidence.next->record.unit);
   changed.held_out = {{"log", after.log},
                       {"strokes", after.strokes},
                       {"before", before.rms * unit.factor},
@@ -137,7 +138,7 @@ void TellError(const Machine& before, const Machine& next, const Evidence& evide
   const bool adds = next.added_effects.size() > before.added_effects.size();
   changed.error = LastStepJson(next);
   if (adds) changed.warnings = AddingWarnings(next, effect);
-  TellHeldOut(evidence, effect, adds, changed);
+  TellHeldOut(next, evidence, effect, adds, changed);
   for (const std::string& warning : InEnglish(changed.warnings))
     changed.text += fmt::format("WARNING: {}.\n", warning);
 }

@@ -13,15 +13,19 @@
 #include "core/interval_text.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
-#include "core/units.h"
+#include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {
 
-double ShownError(const ModelRecord& record, double si) { return si * DisplayUnitFor(record.unit).factor; }
-std::string_view ErrorUnit(const ModelRecord& record) { return DisplayUnitFor(record.unit).name; }
+double ShownError(const Machine& machine, const ModelRecord& record, double si) {
+  return si * UnitOfRecord(machine, record.unit).factor;
+}
+std::string_view ErrorUnit(const Machine& machine, const ModelRecord& record) {
+  return UnitOfRecord(machine, record.unit).name;
+}
 
 const RecordedValue* Find(const ModelRecord& record, const std::string& name) {
   for (const RecordedValue& value : record.parameters)
@@ -29,7 +33,8 @@ const RecordedValue* Find(const ModelRecord& record, const std::string& name) {
   return nullptr;
 }
 
-std::string Staircase(const std::vector<ModelRecord>& history) {
+std::string Staircase(const Machine& machine) {
+  const std::vector<ModelRecord>& history = machine.model_history;
   constexpr int kBar = 14;
   double most = 0;
   std::size_t width = 0;
@@ -47,9 +52,9 @@ std::string Staircase(const std::vector<ModelRecord>& history) {
     std::string bar(static_cast<std::size_t>(mark(record.rms_holdout)), '#');
     bar.resize(kBar + 1, ' ');
     bar[mark(record.noise_floor)] = '|';
-    text +=
-        fmt::format("  {:>3}  {:<{}} {:>8}  {}  {} strokes of {}\n", record.version, record.name, width,
-                    ShortNumber(ShownError(record, record.rms_holdout)), bar, record.strokes, record.source);
+    text += fmt::format("  {:>3}  {:<{}} {:>8}  {}  {} strokes of {}\n", record.version, record.name, width,
+                        ShortNumber(ShownError(machine, record, record.rms_holdout)), bar, record.strokes,
+                        record.source);
   }
   return text;
 }
@@ -121,8 +126,8 @@ std::string ModelHistoryText(const Machine& machine) {
     return text + "No history: 'hydroscope model add EFFECT LOG' writes it.\n";
   std::vector<const ModelRecord*> judged = Judged(machine.model_history);
   text += fmt::format("\nError on strokes left out{}; | is what sensor noise alone would cause\n",
-                      judged.empty() ? "" : fmt::format(", {}", ErrorUnit(*judged.front())));
-  text += Staircase(machine.model_history);
+                      judged.empty() ? "" : fmt::format(", {}", ErrorUnit(machine, *judged.front())));
+  text += Staircase(machine);
   if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(KindOf(machine), judged);
   return text;
 }
@@ -132,9 +137,9 @@ std::string LastStepText(const Machine& machine) {
   if (!step) return "";
   const ModelRecord &before = *step->first, &after = *step->second;
   return fmt::format("Error on strokes left out: {} -> {} {}; sensor noise alone would cause {}\n\n{}",
-                     ShortNumber(ShownError(before, before.rms_holdout)),
-                     ShortNumber(ShownError(after, after.rms_holdout)), ErrorUnit(after),
-                     ShortNumber(ShownError(after, after.noise_floor)),
+                     ShortNumber(ShownError(machine, before, before.rms_holdout)),
+                     ShortNumber(ShownError(machine, after, after.rms_holdout)), ErrorUnit(machine, after),
+                     ShortNumber(ShownError(machine, after, after.noise_floor)),
                      Parameters(KindOf(machine), {&before, &after}));
 }
 
@@ -148,8 +153,8 @@ std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effe
         "{} makes the model no better: on strokes left out the error is {:.3g} {} with it and {:.3g} {} "
         "without. Take it out again with 'hydroscope model undo' or 'model remove {}'",
         "{0} macht das Modell nicht besser: der Fehler auf ausgelassenen Hüben ist {1:.3g} {2} damit und {3:.3g} {4} ohne",
-        effect, ShownError(after, after.rms_holdout), ErrorUnit(after),
-        ShownError(before, before.rms_holdout), ErrorUnit(before), effect));
+        effect, ShownError(machine, after, after.rms_holdout), ErrorUnit(machine, after),
+        ShownError(machine, before, before.rms_holdout), ErrorUnit(machine, before), effect));
   for (const RecordedValue& value : after.parameters)
     if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
       warnings.push_back(Tell("the size of {} cannot be told from zero: {}",
@@ -162,23 +167,28 @@ nlohmann::json LastStepJson(const Machine& machine) {
   const auto step = LastStep(machine);
   if (!step) return nullptr;
   const ModelRecord &before = *step->first, &after = *step->second;
-  return {{"before", ShownError(before, before.rms_holdout)},
-          {"after", ShownError(after, after.rms_holdout)},
-          {"noise_floor", ShownError(after, after.noise_floor)},
-          {"unit", ErrorUnit(after)}};
+  return {{"before", ShownError(machine, before, before.rms_holdout)},
+          {"after", ShownError(machine, after, after.rms_holdout)},
+          {"noise_floor", ShownError(machine, after, after.noise_floor)},
+          {"unit", ErrorUnit(machine, after)}};
 }
 
 nlohmann::json ModelHistoryJson(const Machine& machine) {
   nlohmann::json versions = nlohmann::json::array();
   for (const ModelRecord& record : machine.model_history) {
-    nlohmann::json entry = {
-        {"version", record.version}, {"name", record.name},       {"effects", record.effects},
-        {"source", nullptr},         {"strokes", record.strokes}, {"rms_holdout", nullptr},
-        {"noise_floor", nullptr},    {"unit", ErrorUnit(record)}, {"parameters", nlohmann::json::object()}};
+    nlohmann::json entry = {{"version", record.version},
+                            {"name", record.name},
+                            {"effects", record.effects},
+                            {"source", nullptr},
+                            {"strokes", record.strokes},
+                            {"rms_holdout", nullptr},
+                            {"noise_floor", nullptr},
+                            {"unit", ErrorUnit(machine, record)},
+                            {"parameters", nlohmann::json::object()}};
     if (record.judged()) {
       entry["source"] = record.source;
-      entry["rms_holdout"] = ShownError(record, record.rms_holdout);
-      entry["noise_floor"] = ShownError(record, record.noise_floor);
+      entry["rms_holdout"] = ShownError(machine, record, record.rms_holdout);
+      entry["noise_floor"] = ShownError(machine, record, record.noise_floor);
     }
     for (const RecordedValue& v : record.parameters)
       entry["parameters"][v.name] = {

@@ -172,6 +172,9 @@ export function Mapping() {
   );
 }
 
+/** As people write them; of two spellings of one unit the last. */
+const unitsByName = (units: string[]) => new Map(units.map((unit) => [unit === "degC" ? "°C" : unit, unit]));
+
 function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
   const say = useWords();
   const [over, setOver] = useState(false);
@@ -189,7 +192,7 @@ function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (si
       </select>
       {pin.column && (
         <select aria-label={`${say("mapUnit")} ${pin.signal}`} value={pin.unit ?? ""} onChange={(e) => put(pin.signal, pin.column!, e.currentTarget.value)}>
-          {[...new Set([pin.unit ?? "", ...proposal.units])].map((unit) => <option key={unit} value={unit}>{unit}</option>)}
+          {[...unitsByName([...proposal.units, pin.unit ?? ""])].map(([name, unit]) => <option key={name} value={unit}>{name}</option>)}
         </select>
       )}
       <span class="says">
