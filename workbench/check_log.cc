@@ -74,9 +74,8 @@ void SendToExplain(CheckResult& check) {
   if (!check.suspicion.ExplainSaysMore()) return;
   for (CheckedParameter& parameter : check.parameters)
     if (parameter.verdict == Identifiability::kWeak)
-      parameter.advice =
-          Tell("find what the model misses first: 'hydroscope explain' with the same arguments",
-               "erst finden, was dem Modell fehlt: 'hydroscope explain' mit denselben Argumenten");
+      parameter.advice = Tell("find what the model misses first: see 'hydroscope explain'",
+                              "erst finden, was dem Modell fehlt: siehe 'hydroscope explain'");
 }
 
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
