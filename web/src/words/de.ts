@@ -85,10 +85,12 @@ export const de: Words = {
   balanceOutput: "Ausgang",
   balanceNeeded: "Noch fehlt: die Bilanz, ein Ausgang und seine Terme.",
   balanceMore: "Noch ein Term",
-  balanceDrop: "Herausnehmen:",
+  balanceDrop: "Herausnehmen",
   mapNotReady: "Es fehlt noch: ",
   mapFileText: "Maschinendatei zeigen",
   mapGo: "Zur Werkbank",
+  mapAgain: "Spalten und Maße …",
+  mapAgainSure: "Zurück zu Spalten, Einheiten und Maßen? Was dem Modell hinzugefügt wurde, geht verloren.",
 
   logTitle: "Das Log",
   gateTitle: "<Hübe|Episoden>",

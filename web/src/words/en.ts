@@ -88,6 +88,8 @@ export const en = {
   mapNotReady: "Still missing: ",
   mapFileText: "Show the machine file",
   mapGo: "To the workbench",
+  mapAgain: "Columns and sizes …",
+  mapAgainSure: "Back to columns, units and sizes? What was added to the model goes.",
 
   logTitle: "The log",
   gateTitle: "<Strokes|Episodes>",
