@@ -150,7 +150,6 @@ test("columns that say nothing are put right by hand: what was guessed of others
   assert.match(await row("y_v").innerText(), /unit chosen by hand/);
   await page.selectOption("select[aria-label='Unit y_v']", "V");
   await until(page, `!/no opening/.test(document.querySelector(".pins").textContent)`);
-  assert.doesNotMatch(await page.locator(".mapping").innerText(), /degC/);
   await page.fill("input[name=A_A-bore]", "126.157");
   await page.waitForSelector("p.verdict.good");
   await page.click(".mapping > button.primary");

@@ -84,12 +84,12 @@ export function Mapping() {
   };
   const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
   const takeKind = async (model: string) => {
-    const before = asked.current;
+    const before = [asked.current, chosenUnits.current] as const;
     asked.current = {};  // what was said of another machine
     chosenUnits.current = {};
     setAwaited(model);
     setPicture(null);
-    if (!await propose({ model })) asked.current = before;
+    if (!await propose({ model })) [asked.current, chosenUnits.current] = before;
   };
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
