@@ -95,7 +95,7 @@ std::string CardLog(bool spool_first) {
   const std::vector<PressRow> rows = PressRows();
   std::string text = "Zeit [s],pA [bar],Weg [mm],AI_0,AI_1\n";
   for (std::size_t i = 3; i < rows.size(); ++i) {
-    const double spool = 10 * rows[i - 3].y_v, command = rows[i].U_v;
+    const double spool = 10 * rows[i - 3].y_v, command = 0.97 * rows[i].U_v;  // which spans less
     text += fmt::format("{:.4f},{:.3f},{:.4f},{:.4f},{:.4f}\n", rows[i].t, rows[i].p_A / 1e5, 1e3 * rows[i].z,
                         spool_first ? spool : command, spool_first ? command : spool);
   }
