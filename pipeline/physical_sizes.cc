@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/constants.h"
-#include "core/short_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
