@@ -134,7 +134,8 @@ test("columns that say nothing are put right by hand: what was guessed of others
   await dropped(page, "kissen.csv");
   const row = (signal) => page.locator(".pin", { has: page.locator(`#pin-${signal}`) });
   const guess = await row("p_0").innerText();
-  for (const [signal, column] of [["y_v", ""], ["U_v", ""], ["y_v", "AI_1"], ["U_v", "AI_0"]]) {
+  assert.equal(await page.inputValue("#pin-y_v"), "AI_1", "the spool follows its command");
+  for (const [signal, column] of [["y_v", ""], ["U_v", ""], ["y_v", "AI_0"], ["U_v", "AI_1"]]) {
     await page.selectOption(`#pin-${signal}`, column);
     await until(page, `document.querySelector("#pin-${signal}").value === "${column}"`);
   }
@@ -157,11 +158,11 @@ test("columns that say nothing are put right by hand: what was guessed of others
 
   await page.click("button:has-text('Columns and sizes')");
   await page.waitForSelector("p.verdict.good");
-  assert.equal(await page.inputValue("#pin-y_v"), "AI_1");
+  assert.equal(await page.inputValue("#pin-y_v"), "AI_0");
   assert.equal(await page.inputValue("input[name=A_A-bore]"), "126.16");
   await page.reload();
   await page.waitForSelector("p.verdict.good");
-  assert.equal(await page.inputValue("#pin-U_v"), "AI_0", "what was put by hand outlives the page");
+  assert.equal(await page.inputValue("#pin-U_v"), "AI_1", "what was put by hand outlives the page");
 });
 
 test("a test cylinder is judged by its frequency response: what changed from the references of its file, and from an earlier log", async (t) => {
