@@ -77,7 +77,7 @@ HttpReply PostWork(WorkSession& session, const HttpRequest& request) {
 HttpReply PostProposal(WorkSession& session, const HttpRequest& request) {
   const auto mapping = ParseColumnMapping(request.body);
   if (!mapping) return FailureReply(mapping.error());
-  const auto proposal = session.Propose(*mapping);
+  const auto proposal = session.Propose(*mapping, ParseObject(request.body).value_or(nullptr));
   return proposal ? JsonReply(*proposal) : FailureReply(proposal.error());
 }
 
@@ -141,6 +141,8 @@ constexpr WorkRoute kWorkRoutes[] = {
     {{"POST", "proposal", kWork}, PostProposal},
     {{"POST", "accept", kWork},
      [](WorkSession& s, const HttpRequest&) { return DoneReply(s.AcceptProposal()); }},
+    {{"POST", "reopen", kWork},
+     [](WorkSession& s, const HttpRequest&) { return DoneReply(s.ReopenProposal()); }},
     {{"POST", "effect", kWork}, PostEffect},
     {{"POST", "measured", kWork}, PostMeasured},
     {{"POST", "work", kWork}, PostWork},

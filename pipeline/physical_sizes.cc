@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/constants.h"
-#include "core/short_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
@@ -46,8 +45,9 @@ std::vector<const char*> UsualUnits(std::string_view si) {
   return {"1", "%"};
 }
 
-std::string Shown(double si, const Unit& unit, std::string_view name) {
-  return fmt::format("{} {}", ShortNumber((si - unit.offset) / unit.scale, 4), name);
+Told Shown(double si, const Unit& unit, std::string_view name) {
+  const double value = (si - unit.offset) / unit.scale;
+  return name == "1" ? Tell("{:.4g}", "{:.4g}", value) : Tell("{:.4g} {}", "{:.4g} {}", value, name);
 }
 
 }  // namespace

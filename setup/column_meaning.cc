@@ -68,6 +68,23 @@ double Correlation(const LogColumn& a, const LogColumn& b) {
   return Correlation(a.value, b.value, a.low, b.low);
 }
 
+/// Whether `then` follows `first` by some rows rather than the other way round: a spool follows its command.
+bool Leads(const LogColumn& first, const LogColumn& then) {
+  constexpr std::size_t kLate = 5;  ///< rows that are tried
+  const auto after = [](const LogColumn& a, const LogColumn& b, std::size_t rows) {
+    if (rows >= b.value.size()) return 0.0;
+    const std::vector<double> later(b.value.begin() + static_cast<std::ptrdiff_t>(rows), b.value.end());
+    const std::vector<double> earlier(a.value.begin(), a.value.end() - static_cast<std::ptrdiff_t>(rows));
+    return Correlation(earlier, later, a.low, b.low);
+  };
+  double forward = 0, back = 0;
+  for (std::size_t rows = 1; rows <= kLate; ++rows) {
+    forward = std::max(forward, after(first, then, rows));
+    back = std::max(back, after(then, first, rows));
+  }
+  return forward > back;
+}
+
 /// Columns of Pa size: the steadiest and highest is the supply, the liveliest chamber A.
 void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   std::vector<std::size_t> found;
@@ -163,6 +180,7 @@ class Anonymous {
  private:
   static constexpr std::size_t kLag = 5;  ///< rows each way over which a motion is taken
   static constexpr double kSmooth = 0.12, kGoesWith = 0.35, kRunsWith = 0.9;
+  static constexpr double kOtherScale = 3;  ///< spans of the same numbers in different units differ by more
 
   bool Free(std::size_t i, Role role) const {
     const LogColumn& c = head_.columns[i];
@@ -223,14 +241,18 @@ class Anonymous {
     }
     if (!best) return;
     std::size_t spool = *best;
-    // Spool and command run together; the command is the one that may be in volts, else ten times the spool's numbers.
+    // Spool and command run together; the command is the one that may be in volts, else ten times the spool's numbers, else the
+    // one that the other follows.
     for (std::size_t k = 0; k < head_.columns.size(); ++k) {
       if (k == *best || !Free(k, Role::kValveCommand) || !HasBothSigns(head_.columns[k]) ||
           std::abs(Correlation(head_.columns[*best], head_.columns[k])) < kRunsWith)
         continue;
       const bool volts = MayBeVolts(head_.columns[k]), others_volts = MayBeVolts(head_.columns[*best]);
-      const bool commands =
-          volts != others_volts ? volts : head_.columns[k].span() > head_.columns[*best].span();
+      const double spans = head_.columns[k].span() / head_.columns[*best].span();
+      const bool alike = volts == others_volts && spans > 1 / kOtherScale && spans < kOtherScale;
+      const bool commands = alike                   ? Leads(head_.columns[k], head_.columns[*best])
+                            : volts != others_volts ? volts
+                                                    : spans > 1;
       spool = commands ? *best : k;
       Give(commands ? k : *best, Role::kValveCommand,
            Tell("runs with {}", "läuft mit {}", head_.columns[spool].name));

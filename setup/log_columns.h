@@ -13,6 +13,7 @@ struct LogColumn {
   std::string name;           ///< header text, or the number of the column
   std::string reference;      ///< what a machine file writes to mean this column: its name, or its number
   std::string unit;           ///< unit text of the header, "" if none
+  bool unit_chosen = false;   ///< by a person, in place of the header's
   std::vector<double> value;  ///< raw, one per row; NaN where there is no number
   bool date = false;          ///< dates or times of day, read as s
   double low = 0, high = 0;   ///< 1 % and 99 % quantile; NaN without numbers

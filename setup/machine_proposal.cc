@@ -244,7 +244,7 @@ class Proposer {
       if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
       const std::string written = WrittenUnit(column);
       const bool known = !written.empty();
-      const UnitGuess guess = known ? AsWritten(written, column.unit.empty())
+      const UnitGuess guess = known ? AsWritten(written, column)
                                     : UnitGuess{"1", 1, 0, Told("unit unknown", "Einheit unbekannt"), false};
       AddSignal(FreeName(column.name), column, guess, guess.why, known);
       others_.push_back(i);

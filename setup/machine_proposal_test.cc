@@ -90,6 +90,35 @@ std::string SiRow(const PressRow& r) {
                      r.y_v, r.U_v, r.T_oil - 273.15);
 }
 
+/// A press whose spool follows its command by three rows, both in volts of a card, in this order.
+std::string CardLog(bool spool_first) {
+  const std::vector<PressRow> rows = PressRows();
+  std::string text = "Zeit [s],pA [bar],Weg [mm],AI_0,AI_1\n";
+  for (std::size_t i = 3; i < rows.size(); ++i) {
+    const double spool = 10 * rows[i - 3].y_v, command = 0.97 * rows[i].U_v;  // which spans less
+    text += fmt::format("{:.4f},{:.3f},{:.4f},{:.4f},{:.4f}\n", rows[i].t, rows[i].p_A / 1e5, 1e3 * rows[i].z,
+                        spool_first ? spool : command, spool_first ? command : spool);
+  }
+  return text;
+}
+
+TEST(MachineProposal, TellsTheSpoolFromItsCommandByWhichFollows) {
+  ExpectColumns(Propose(CardLog(true)).machine, {{"y_v", "AI_0 1"}, {"U_v", "AI_1 V"}});
+  ExpectColumns(Propose(CardLog(false)).machine, {{"y_v", "AI_1 1"}, {"U_v", "AI_0 V"}});
+}
+
+TEST(MachineProposal, ASpoolThatOpensFiveFoldIsInAnotherUnit) {
+  const std::string rows = PressLog("t,p_A,z,y_v [1],U_v\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.0f},{:.7f},{:.5f},{:.6f}", r.t, r.p_A, r.z, 10 * r.y_v, r.U_v);
+  });
+  const MachineProposal proposal = Propose(rows);
+  for (const ProposedColumn& column : proposal.columns)
+    if (column.signal == "y_v") {
+      EXPECT_FALSE(column.sure);
+      EXPECT_THAT(column.why.english, HasSubstr("are no opening of a spool"));
+    }
+}
+
 TEST(MachineProposal, RecognisesTheExamplePressCompletely) {
   const MachineProposal proposal = Propose(PressLog("t,p_A,p_B,p_0,z,y_v,U_v,T_oil\n", SiRow));
   const Machine& m = proposal.machine;

@@ -118,6 +118,8 @@ UnitGuess TimeBySize(const LogColumn& column, double rows_per_cycle) {
   return {"s", 1, 0, Tell("{}, which fits s", "{}, das passt zu s", seen)};
 }
 
+constexpr double kWidestSpool = 1.5;  ///< 1 = fully open; sensors read somewhat beyond
+
 UnitGuess SpoolBySize(const LogColumn& column, const std::string& header) {
   const double largest = std::max(std::abs(column.low), std::abs(column.high));
   if (header == "V")
@@ -130,7 +132,8 @@ UnitGuess SpoolBySize(const LogColumn& column, const std::string& header) {
             Told("mA in the header, 4 ... 20 mA taken as -1 ... 1",
                  "mA in der Kopfzeile, 4 ... 20 mA als -1 ... 1 genommen"),
             false};
-  if (largest <= 1.5) return {"1", 1, 0, Tell("{} fit -1 ... 1", "{} passen zu -1 ... 1", Size(column))};
+  if (largest <= kWidestSpool)
+    return {"1", 1, 0, Tell("{} fit -1 ... 1", "{} passen zu -1 ... 1", Size(column))};
   if (largest <= 12)
     return {"1", 0.1, 0,
             Tell("{} taken as volts, 10 V fully open; if it is %, write unit % and no scale",
@@ -214,10 +217,11 @@ std::string WrittenUnit(const LogColumn& column) {
   return column.unit.empty() && !in_name.empty() ? in_name : KnownSpelling(column.unit);
 }
 
-UnitGuess AsWritten(const std::string& unit, bool in_name) {
+UnitGuess AsWritten(const std::string& unit, const LogColumn& column) {
   return {unit, 1, 0,
-          in_name ? Told("unit in the name", "Einheit im Namen")
-                  : Told("unit in the header", "Einheit in der Kopfzeile")};
+          column.unit_chosen    ? Told("unit chosen by hand", "Einheit von Hand gewählt")
+          : column.unit.empty() ? Told("unit in the name", "Einheit im Namen")
+                                : Told("unit in the header", "Einheit in der Kopfzeile")};
 }
 
 namespace {
@@ -246,9 +250,17 @@ bool MayBe(const MachineInput& signal, const LogColumn& column) {
 }
 
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
-  const bool named = column.unit.empty() && !UnitInName(column.name).empty();
   const std::string header = WrittenUnit(column);
-  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date) return AsWritten(header, named);
+  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date) {
+    UnitGuess written = AsWritten(header, column);
+    const double opening = std::max(std::abs(column.low), std::abs(column.high)) * FindUnit(header)->scale;
+    if (role != Role::kSpool || opening <= kWidestSpool) return written;
+    written.why = Tell("{}, but {} in {} are no opening of a spool, which is -1 ... 1",
+                       "{}, aber {} in {} sind keine Öffnung eines Schiebers, die -1 ... 1 ist", written.why,
+                       Size(column), header);
+    written.sure = false;
+    return written;
+  }
   const bool milliamperes = header == "mA";
   const Told current =
       milliamperes ? Told("mA in the header or name", "mA in Kopfzeile oder Name") : Size(column);
@@ -283,7 +295,7 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
 UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
   const std::string written = WrittenUnitOf(column, signal.si);
   if (const auto unit = FindUnit(written); unit && (unit->si == signal.si || unit->si != "1")) {
-    if (unit->si == signal.si) return AsWritten(written, column.unit.empty());
+    if (unit->si == signal.si) return AsWritten(written, column);
     return {std::string(signal.si), 1, 0,
             Tell("{} in the header: write scale and unit of the sensor",
                  "{} in der Kopfzeile: Skalierung und Einheit des Sensors eintragen", written),

@@ -27,8 +27,8 @@ struct SharedSizes {
 /// The unit that the column's name or header states, as the machine file writes it; "" if none.
 std::string WrittenUnit(const LogColumn& column);
 
-/// A unit taken as it is written in the name, or else in the header.
-UnitGuess AsWritten(const std::string& unit, bool in_name);
+/// A unit taken as it is written in the column's header or name, or as a person chose it.
+UnitGuess AsWritten(const std::string& unit, const LogColumn& column);
 
 /// Whether what the column states as its unit can be that of a sensor in this role: of the role's own quantity, of a sensor's
 /// signal (V, mA, %), or nothing. Revolutions per minute are no position, kW no pressure.

@@ -294,9 +294,9 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
                                   " Ist das Öl wärmer oder kälter als beim Lernen der gesunden Maschine, neu "
                                   "lernen (`hydroscope learn`).");
     finding.guidance = Tell(
-        "Run `hydroscope explain` on the {} since the change; vary what drives the "
+        "See `hydroscope explain` of the {} since the change; vary what drives the "
         "machine (speed, pressure, load).{}",
-        "`hydroscope explain` auf die {} seit der Änderung anwenden; variieren, was die Maschine antreibt "
+        "`hydroscope explain` der {} seit der Änderung ansehen; variieren, was die Maschine antreibt "
         "(Geschwindigkeit, Druck, Last).{}",
         counted, by_oil);
   }

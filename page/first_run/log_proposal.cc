@@ -209,6 +209,23 @@ double DurationOf(const LogColumns& log, const Machine& machine) {
   return (time->value.back() - time->value.front()) * scale;
 }
 
+const ProposedColumn* FindProposed(const MachineProposal& proposal, const std::string& signal) {
+  const auto found = std::ranges::find(proposal.columns, signal, &ProposedColumn::signal);
+  return found == proposal.columns.end() ? nullptr : &*found;
+}
+
+/// A column that a person left where the plain proposal has it is as sure as there, and for the same reason.
+void KeepReasons(const ColumnMapping& mapping, const MachineProposal& plain, MachineProposal& proposal) {
+  for (ProposedColumn& proposed : proposal.columns) {
+    const auto entry = std::ranges::find(mapping.columns, proposed.signal, &ColumnMapping::Entry::signal);
+    const ProposedColumn* before = FindProposed(plain, proposed.signal);
+    if (entry == mapping.columns.end() || before == nullptr || !entry->unit.empty()) continue;
+    if (ColumnOf(plain, proposed.signal) != entry->column) continue;
+    proposed.why = before->why;
+    proposed.sure = before->sure;
+  }
+}
+
 }  // namespace
 
 MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mapping) {
@@ -216,6 +233,7 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
   options.known = mapping.geometry;
   options.model = mapping.model;
   const MachineKind* kind = FindKind(mapping.model);
+  const MachineProposal plain = ProposeMachine(log, options);
   LogColumns mapped = log;
   if (!mapping.columns.empty()) {
     mapped.columns.clear();
@@ -229,10 +247,13 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
         put.name = entry.signal == "time" ? "t" : entry.signal;
         options.placed.insert(entry.signal);
       }
-      if (!entry.unit.empty()) put.unit = entry.unit;
+      if (entry.unit.empty()) continue;
+      put.unit = entry.unit;
+      put.unit_chosen = true;
     }
   }
   MachineProposal proposal = ProposeMachine(mapped, options);
+  KeepReasons(mapping, plain, proposal);
   Machine& machine = proposal.machine;
   for (const MachineInput& input : KindOf(machine).geometry)  // also what the draft had a usual value for
     if (const auto known = mapping.geometry.find(std::string(input.name)); known != mapping.geometry.end())

@@ -99,6 +99,7 @@ Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
 Status WorkSession::TakeMachine(const std::string& name, const std::string& text) {
   const std::lock_guard lock(mutex_);
   TRY(machine_.Take(name, text, ""));
+  mapped_ = false;
   ForgetResults();
   Changed();
   return {};
@@ -176,12 +177,14 @@ void WorkSession::StartOver() {
   machine_.Forget();
   measured_.clear();
   draft_.clear();
+  asked_ = nullptr;
+  mapped_ = false;
   columns_.reset();
   ForgetResults();
   Changed();
 }
 
-Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping) {
+Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping, nlohmann::json asked) {
   LogFile log;
   std::shared_ptr<const LogColumns> columns;
   {
@@ -200,6 +203,7 @@ Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping) {
   const nlohmann::json json = ProposalJson(*columns, proposal);
   const std::lock_guard lock(mutex_);
   columns_ = columns;
+  asked_ = std::move(asked);
   draft_ = proposal.text;
   draft_name_ = proposal.machine.name + ".toml";
   pictures_.clear();
@@ -214,7 +218,24 @@ Status WorkSession::AcceptProposal() {
     name = draft_name_;
   }
   if (text.empty()) return BadInput(Told("there is no proposal yet", "es gibt noch keinen Vorschlag"));
-  return TakeMachine(name, text);
+  TRY(TakeMachine(name, text));
+  const std::lock_guard lock(mutex_);
+  mapped_ = true;
+  Changed();
+  return {};
+}
+
+Status WorkSession::ReopenProposal() {
+  const std::lock_guard lock(mutex_);
+  if (!mapped_)
+    return BadInput(Told("this machine file was not made from the columns of a log",
+                         "diese Maschinendatei entstand nicht aus den Spalten eines Logs"));
+  machine_.Forget();
+  measured_.clear();
+  mapped_ = false;
+  ForgetResults();
+  Changed();
+  return {};
 }
 
 Result<WorkSession::Subject> WorkSession::TakeSubject() const {
@@ -391,6 +412,8 @@ nlohmann::json WorkSession::Json() const {
       {"unsaved", false},
       {"strokes", nullptr},
       {"measured", nlohmann::json::array()},
+      {"mapping", asked_},
+      {"mapped", mapped_},
       {"file", machine_.target().empty() ? nlohmann::json() : nlohmann::json(machine_.target())}};
   for (const ExampleLog& example : examples_) out["examples"].push_back(example.id);
   for (const auto& [effect, known] : measured_)

@@ -41,7 +41,8 @@ class WorkSession {
                                                      int niceness = 0);
 
   /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`,
-  /// `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null), `measured` (`effect`, `size`, `std`).
+  /// `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null), `measured` (`effect`, `size`, `std`), `mapping` (of
+  /// the last proposal; or null), `mapped` (the machine file came of it).
   nlohmann::json Json() const;
 
   /// What takes long.
@@ -68,10 +69,13 @@ class WorkSession {
   /// Makes the model worked on the one of the machine whose strokes these are. Error: they are of no database, or no comment.
   Result<std::int64_t> StartPromotion(const std::string& comment, const std::string& user);
 
-  /// The proposal for the first log with columns mapped so. Error: there is no log, or it cannot be read.
-  Result<nlohmann::json> Propose(const ColumnMapping& mapping);
+  /// The proposal for the first log with columns mapped so; `asked`: the mapping as it was asked for, which Json() tells again.
+  /// Error: there is no log, or it cannot be read.
+  Result<nlohmann::json> Propose(const ColumnMapping& mapping, nlohmann::json asked);
   /// Makes the last proposal the machine file worked on. Error: it cannot be used yet.
   Status AcceptProposal();
+  /// Back to the proposal that was accepted. Error: the machine file worked on did not come of one.
+  Status ReopenProposal();
 
   Result<std::int64_t> Start(const WorkRequest& request);
   /// What was worked out; null if it was not. `about`: effect of a preview, log of a picture.
@@ -136,6 +140,8 @@ class WorkSession {
   std::map<std::string, MeasuredSize> measured_;  ///< by effect
   std::shared_ptr<const LogColumns> columns_;
   std::string draft_, draft_name_;  ///< text of the last proposal
+  nlohmann::json asked_;            ///< what it was asked for with
+  bool mapped_ = false;             ///< the machine file worked on came of it
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped
   std::map<int, std::map<std::string, nlohmann::json>> results_;  ///< by model version, then kind and about
   std::map<int, StrokeFindings> strokes_;                         ///< by model version

@@ -102,6 +102,19 @@ TEST_F(PageSession, AsksForTheAreaBeforeItTakesAProposal) {
   EXPECT_TRUE(Json(Post("/api/v1/proposal", R"({"geometry": {"A_A": 0.0125}})"))["problem"].is_null());
 }
 
+TEST_F(PageSession, LeadsBackFromTheMachineFileToTheProposalItCameOf) {
+  MapExample();
+  nlohmann::json session = Session();
+  EXPECT_TRUE(session["mapped"]);
+  EXPECT_FALSE(session["machine"].is_null());
+  EXPECT_EQ(Post("/api/v1/reopen", "{}").status, 200u);
+  session = Session();
+  EXPECT_TRUE(session["machine"].is_null());
+  EXPECT_EQ(session["mapping"]["geometry"]["A_A"], 0.0125) << "what was said is not to be said again";
+  EXPECT_EQ(session["logs"].size(), 1u);
+  EXPECT_EQ(Post("/api/v1/reopen", "{}").status, 400u);
+}
+
 TEST_F(PageSession, PutsColumnsWhereAPersonPutsThem) {
   ASSERT_EQ(Work(R"({"id": "leak"})", "/api/v1/example")["state"], "done");
   const nlohmann::json proposal = Json(Post(

@@ -1,6 +1,6 @@
 // uPlot in a box: as wide as it, in the colours of the page, drawn anew when these change.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { short } from "./units";
@@ -99,7 +99,7 @@ export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, hei
   across.current = levels ?? [];
   useEffect(() => shown.current?.redraw(false), [JSON.stringify(levels)]);
   const box = useRef<HTMLDivElement>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {  // with the page around it
     const place = box.current;
     if (!place) return;
     const draw = () => {
@@ -138,18 +138,18 @@ export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, hei
     <figure class="plot">
       <div ref={box} role="img" aria-label={label} />
       <figcaption>
-        {lines.filter((line) => !line.hidden).map((line) => (
-          <span class="key" key={line.label}><Swatch color={line.color} dashed={line.dashed} dots={line.dots} />{line.label}</span>
+        {lines.map((line, k) => !line.hidden && (
+          <span class="key" key={line.label}><Swatch {...line} band={bands?.some(({ low }) => low === k) && !line.width} />{line.label}</span>
         ))}
       </figcaption>
     </figure>
   );
 }
 
-function Swatch({ color, dashed, dots }: { color: string; dashed?: boolean; dots?: boolean }) {
+function Swatch({ color, dashed, dots, band }: Pick<Line, "color" | "dashed" | "dots"> & { band?: boolean }) {
   return (
     <svg width="24" height="8" aria-hidden="true">
-      {dots ? <circle cx="12" cy="4" r="3" fill={color} /> : <line x1="0" y1="4" x2="24" y2="4" stroke={color} stroke-width="3" stroke-dasharray={dashed ? "6 4" : undefined} />}
+      {band ? <rect width="24" height="8" fill={color} /> : dots ? <circle cx="12" cy="4" r="3" fill={color} /> : <line x1="0" y1="4" x2="24" y2="4" stroke={color} stroke-width="3" stroke-dasharray={dashed ? "6 4" : undefined} />}
     </svg>
   );
 }

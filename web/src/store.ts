@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./api";
-import { knowEffects } from "./effect_titles";
+import { knowEffects, withGerman } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
 import { shareOfVariation } from "./units";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, LoopChanges, LoopResult, Session } from "./types";
@@ -105,7 +105,7 @@ export async function refresh(): Promise<void> {
   for (const kind of session.machine.valve_alone ? ofAnyLog : kinds) void workOut(kind, session.machine.version);
   const { effects } = await get<{ effects: Effect[] }>("effects");
   knowEffects(effects);
-  set({ effects });
+  set({ effects: effects.map(withGerman) });
 }
 
 type Hearer = (event: Record<string, unknown>) => void;

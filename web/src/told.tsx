@@ -4,15 +4,29 @@
 import { useContext } from "preact/hooks";
 import { isEffect, titleOf, withTitles } from "./effect_titles";
 import { kept } from "./units";
-import { LanguageContext, type Language } from "./words";
+import { LanguageContext, sayIn, type Language } from "./words";
+import type { Words } from "./words/en";
 
 /** Something with sentences under these keys, and the same in German. */
 export type Telling<K extends string> = Record<K, string> & { german?: Partial<Record<K, string>> | null };
 
 export type Tell = <K extends string>(of: Telling<K>, what: K) => { text: string; lang?: "en" };
 
-/** As people print it: a terminal has no arrows. */
-const printed = (sentence: string, language: Language) => kept(withTitles(sentence, language).replace(/ -> /g, " → ").replace(/(?<=\d m)[23](?=\/)/g, (power) => (power === "2" ? "²" : "³")));
+/** Commands that sentences lead to, by what the page calls the same of its own. */
+const places: Record<string, keyof Words> = {
+  check: "step_check", compare: "step_compare", explain: "verdictTitle", frf: "valveTab", "model remove": "step_add",
+  trends: "view_trends", alarms: "view_alarms", learn: "view_learn", status: "view_service", "check --live": "view_service",
+};
+const command = /['`]hydroscope ((?:check --live|model remove|\w+))(?: --from --to)?['`]/g;
+
+function withPlaces(sentence: string, language: Language): string {
+  const say = sayIn(language), [open, close] = language === "de" ? ["„", "“"] : ["“", "”"];
+  return sentence.replace(command, (written, name: string) => (places[name] ? `${open}${say(places[name])}${close}` : written));
+}
+
+/** As people print it: a terminal has no arrows and no degrees. */
+const printed = (sentence: string, language: Language) => kept(withPlaces(withTitles(sentence, language), language)
+  .replace(/ -> /g, " → ").replace(/sqrt\((bar|Pa)\)/g, "√$1").replace(/\bdegC\b/g, "°C").replace(/(?<=\d m)[23](?=\/)|(?<=\bm)3(?=\/s\b)|(?<=\b[cm]m)[23]\b/g, (power) => (power === "2" ? "²" : "³")));
 
 /** A sentence, with the language to say of it where it is not that of the page. */
 export function useTold(): Tell {

@@ -38,6 +38,9 @@ export interface Session {
   measured: { effect: string; size: number; std: number }[];
   /** Strokes of the database that are worked on. */
   strokes: { machine: string; first: number; last: number } | null;
+  /** What the last proposal was asked for with, and whether the machine file came of it. */
+  mapping: ProposalRequest | null;
+  mapped: boolean;
   /** A database is watched beside the logs. */
   watched: boolean;
   /** There is a workbench. */
@@ -187,6 +190,9 @@ export interface KnownSize {
 }
 /** Of a machine of one's own: the output is the sum of its terms, each a parameter times an expression over the signals. */
 export interface Balance { output: string; terms: { name: string; expression: string }[] }
+export interface ProposalRequest {
+  model?: string; balance?: Balance; columns?: { column: string; signal: string; unit: string }[]; geometry?: Record<string, number>; gate?: GateBound[];
+}
 export interface Proposal {
   machine: string; model: string; title: string; german?: { title: string; decided: string[]; open: string[] }; picture: Picture; pins: Pin[]; columns: LogColumn[];
   kinds: { id: string; title: string; german?: { title: string } }[]; geometry: KnownSize[]; balance: Balance | null;

@@ -126,9 +126,9 @@ export function unitOf(units: Units, si: string): Unit {
 /** Words in names of units, in German. */
 const germanParts: [RegExp, string][] = [[/% of stroke/, "% des Wegs"], [/ per /g, " je "]];
 
-/** Powers and roots as they are printed: "cm²", "l/min per √bar". */
+/** Powers, roots and degrees as they are printed: "cm²", "l/min per √bar", "°C". */
 export const printedUnit = (name: string) =>
-  name.replace(/sqrt\((\w+)\)/g, "√$1").replace(/(?<=[A-Za-z)])\^?2(?!\d)/g, "²").replace(/(?<=[A-Za-z)])\^?3(?!\d)/g, "³");
+  name.replace(/\bdegC\b/, "°C").replace(/sqrt\((\w+)\)/g, "√$1").replace(/(?<=[A-Za-z)])\^?2(?!\d)/g, "²").replace(/(?<=[A-Za-z)])\^?3(?!\d)/g, "³");
 
 export function unitName(unit: { name: string }): string {
   if (unit.name === "1" || unit.name === "-") return "";

@@ -2,6 +2,7 @@
 // node --test german_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
 
 import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -78,12 +79,31 @@ test("the first run is German", async (t) => {
   await page.fill("input[name=A_A-bore]", "126.16");
   await page.waitForSelector(".log-view .plot canvas");
   await assertGerman(page, "mapping, ready");
+  assert.doesNotMatch(await page.locator(".pins").innerText(), /degC/);  // in the file alone
+});
+
+test("the effects that are proposed for a machine of one's own are German too", async (t) => {
+  const rows = Array.from({ length: 6000 }, (_, k) => {
+    const time = 0.01 * k, speed = Math.cos(0.9 * time), pressure = 90 + 40 * Math.sin(0.5 * time), noise = ((k * 7919) % 101) / 101 - 0.5;
+    return [time.toFixed(2), (pressure * 400 - 1500 * Math.sign(speed) + 10 * noise).toFixed(3), (pressure + 0.05 * noise).toFixed(4), (100 + (30 / 0.9) * Math.sin(0.9 * time) + 0.02 * noise).toFixed(4)].join();
+  });
+  writeFileSync(join(place.path, "heber.csv"), ["t,F [N],p_A [bar],z [mm]", ...rows].join("\n"));
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await page.setInputFiles("input[type=file]", join(place.path, "heber.csv"));
+  await page.waitForSelector("p.verdict.good");
+  await page.click(".mapping > button.primary");
+  await page.waitForSelector(".ranking :text('Reibung fester Größe gegen die Bewegung')");
 });
 
 test("the workbench is German: a leak, effects that cannot be told apart, a machine with states", async (t) => {
   for (const [log, machine, more] of [["leak.csv", "die_cushion", [["locate", ".heat .cell"], ["add", ".preview"]]], ["drift.csv", "die_cushion", []], ["pump.csv", "pump", []]]) {
     const { page, address } = await visit(t, [log, "--machine", join(machines, `${machine}.toml`)]);
     await walk(page, address, [...steps, ...more]);
+    if (log === "leak.csv") {
+      await page.goto(`${address}#step=check`);
+      await page.waitForSelector("td:has-text('siehe „Urteil“')");  // the page's own place, no command
+    }
     if (machine === "pump") assert.match(await page.locator(".headline").innerText(), /^Das Modell beschreibt kurze Läufe dieser Episoden, was keine Entwarnung ist/);
   }
 });

@@ -122,6 +122,49 @@ test("the kind is chosen where columns say nothing; picture, sensors and words f
   await assertFits(page, "chosen kind");
 });
 
+test("columns that say nothing are put right by hand: what was guessed of others stays a guess, scales stay, and the workbench leads back", async (t) => {
+  run(["simulate", "press", "--out", "press.csv", "--seconds", "40", "--seed", "4"], place.path);
+  const [head, ...rows] = readFileSync(join(place.path, "press.csv"), "utf8").trimEnd().split("\n");
+  const at = Object.fromEntries(head.split(",").map((name, k) => [name, k]));
+  const german = rows.map((row) => row.split(",").map(Number)).map((v) => [1000 * v[at.t], v[at.p_A] / 1e5, 1000 * v[at.z], v[at.U_v], 10 * v[at.y_v], v[at.p_0] / 1e5, v[at.T_oil]]
+    .map((x, k) => x.toFixed(k === 0 ? 1 : 4).replace(".", ",")).join(";"));
+  writeFileSync(join(place.path, "kissen.csv"), ["Zeit_ms;pA_bar;s_mm;AI_0;AI_1;p_Sys;T_oil", ...german].join("\n"));
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await dropped(page, "kissen.csv");
+  const row = (signal) => page.locator(".pin", { has: page.locator(`#pin-${signal}`) });
+  const guess = await row("p_0").innerText();
+  assert.equal(await page.inputValue("#pin-y_v"), "AI_1", "the spool follows its command");
+  for (const [signal, column] of [["y_v", ""], ["U_v", ""], ["y_v", "AI_0"], ["U_v", "AI_1"]]) {
+    await page.selectOption(`#pin-${signal}`, column);
+    await until(page, `document.querySelector("#pin-${signal}").value === "${column}"`);
+  }
+  const widest = async (signal) => Math.max(...(await row(signal).locator(".says").innerText()).match(/-?[\d.]+/g).map(Number));
+  await until(page, `/0\\.\\d+ … 0\\.\\d+/.test(document.querySelector("#pin-y_v").closest(".pin").querySelector(".says").textContent)`);
+  assert.ok(await widest("y_v") < 1.2, await row("y_v").innerText());
+  assert.ok(await widest("U_v") < 12, await row("U_v").innerText());
+  assert.match(await row("y_v").innerText(), /put here by hand; values [^]*taken as volts/);
+  assert.match(await row("p_A").innerText(), /unit in the name/, "and not in the header");
+  assert.equal(await row("p_0").innerText(), guess, "what nobody touched is as sure as before");
+  await page.selectOption("select[aria-label='Unit y_v']", "1");
+  await page.waitForSelector(".pin.check:has-text('no opening of a spool')");
+  assert.match(await row("y_v").innerText(), /unit chosen by hand/);
+  await page.selectOption("select[aria-label='Unit y_v']", "V");
+  await until(page, `!/no opening/.test(document.querySelector(".pins").textContent)`);
+  await page.fill("input[name=A_A-bore]", "126.157");
+  await page.waitForSelector("p.verdict.good");
+  await page.click(".mapping > button.primary");
+  await page.waitForSelector("[data-verdict]");
+
+  await page.click("button:has-text('Columns and sizes')");
+  await page.waitForSelector("p.verdict.good");
+  assert.equal(await page.inputValue("#pin-y_v"), "AI_0");
+  assert.equal(await page.inputValue("input[name=A_A-bore]"), "126.16");
+  await page.reload();
+  await page.waitForSelector("p.verdict.good");
+  assert.equal(await page.inputValue("#pin-U_v"), "AI_1", "what was put by hand outlives the page");
+});
+
 test("a test cylinder is judged by its frequency response: what changed from the references of its file, and from an earlier log", async (t) => {
   for (const [name, words] of [["march", []], ["today", ["--valve", "38", "--seed", "2"]]]) run(["simulate", "test-cylinder", "--out", `${name}.csv`, "--seconds", "20", ...words], place.path);
   const { page, address } = await visitIn(place.path, t, ["march.csv", "today.csv", "--machine", join(machines, "test_cylinder.toml")]);

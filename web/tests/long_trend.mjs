@@ -66,6 +66,14 @@ const served = await open(["--db", "long.db"], place.path);
 const chromium = await browser();
 const page = await (await chromium.newContext({ viewport: { width: 1400, height: 900 } })).newPage();
 page.setDefaultTimeout(patience);
+const devTools = await page.context().newCDPSession(page);
+await devTools.send("Performance.enable", { timeDomain: "threadTicks" });
+const worked = async () => 1000 * (await devTools.send("Performance.getMetrics")).metrics.find(({ name }) => name === "TaskDuration").value;
+/** How it pans, and how long the thread of the page computes for a frame, which other programs do not change. */
+async function panned(way) {
+  const before = await worked(), frames = await page.evaluate(panFor, way);
+  return `${told(frames)}; ${((await worked() - before) / frames.length).toFixed(1)} ms of work each`;
+}
 let start = Date.now();
 await page.goto(`${served.address}#view=trends&p=K&x=stroke`);
 await page.waitForSelector(".trend-plot canvas");
@@ -73,7 +81,7 @@ console.log(`first picture after ${Date.now() - start} ms`);
 await page.waitForSelector(".plots[data-exact='1']");
 console.log(`lowest and highest values of all collected after ${((Date.now() - start) / 1000).toFixed(1)} s`);
 await page.waitForTimeout(1500);
-console.log(`the browser alone: ${told(await page.evaluate(panFor, { seconds, pixels: 0, back: onAndOn }))}`);
+console.log(`the browser alone: ${await panned({ seconds, pixels: 0, back: onAndOn })}`);
 for (const span of [strokes / 2, strokes / 10, strokes / 100, strokes / 1000].map(Math.round).filter((n) => n > 1000)) {
   const from = Math.round((strokes - span) / 4);
   const pan = async (way, axis) => {
@@ -82,7 +90,7 @@ for (const span of [strokes / 2, strokes / 10, strokes / 100, strokes / 1000].ma
     let requests = 0, bytes = 0;
     const count = async (response) => { ++requests; bytes += (await response.body().catch(() => "")).length; };
     page.on("response", count);
-    console.log(`${span} strokes wide, ${way.name}: ${told(await page.evaluate(panFor, { seconds, ...way }))}`);
+    console.log(`${span} strokes wide, ${way.name}: ${await panned({ seconds, ...way })}`);
     page.off("response", count);
     if (bytes > 0) console.log(`  ${requests} requests, ${(bytes / requests / 1000).toFixed(0)} kB each`);
   };

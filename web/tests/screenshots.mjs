@@ -91,7 +91,7 @@ async function takeService(page, shoot, name) {
 async function take(name, viewport, colorScheme, locale) {
   const shoot = async (page, state) => {
     await page.waitForTimeout(250);
-    await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: viewport === phone });
+    await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: true });
   };
   const context = await chromium.newContext({ viewport, colorScheme, locale });
   const page = await context.newPage();

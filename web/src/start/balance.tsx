@@ -41,7 +41,7 @@ export function BalanceEditor({ proposed, signals, problem, set }: { proposed: B
             <span>×</span>
             <input name={`balance-expression-${k}`} class="code" aria-label={`${say("ownExpression")} ${k + 1}`} value={term.expression} spellcheck={false} autocomplete="off"
               onInput={(e) => changeTerm(k, { expression: e.currentTarget.value })} />
-            <button class="small" aria-label={`${say("balanceDrop")} ${term.name}`} disabled={balance.terms.length < 2}
+            <button class="small" aria-label={`${say("balanceDrop")}: ${term.name}`} disabled={balance.terms.length < 2}
               onClick={() => change({ ...balance, terms: balance.terms.filter((_, other) => other !== k) })}>×</button>
           </li>
         ))}

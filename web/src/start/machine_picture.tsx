@@ -4,6 +4,7 @@ import type { Picture, Place } from "../types";
 import { useWords } from "../words";
 
 const letter = 7.4, margin = 20, narrowest = 44, height = 34;  // of a name, as models/machine_picture.h
+const small = 6.4, widest = 72;  // of a column below it; where the name is no longer
 
 /** What is known of the signal at a place: where it comes from, and whether that is sure. */
 export interface Reading { signal: string; column: string | null; state: "missing" | "free" | "sure" | "check" }
@@ -26,8 +27,9 @@ function Mark({ place, reading, put }: { place: Place; reading: Reading; put?: (
   const tell = useTold();
   const [over, setOver] = useState(false);
   const named = reading.column !== null && reading.column !== place.signal;
-  const width = Math.max(narrowest, letter * place.signal.length + margin);
-  const column = named ? `← ${reading.column!.length > width / 7 ? `${reading.column!.slice(0, Math.floor(width / 7) - 1)}…` : reading.column}` : "";
+  const text = named ? `← ${reading.column}` : "", least = Math.max(narrowest, letter * place.signal.length + margin);
+  const width = Math.max(least, Math.min(widest, small * text.length + 8)), room = Math.floor((width - 8) / small);
+  const column = text.length > room ? `${text.slice(0, room - 1)}…` : text;
   const drop = put && {
     onClick: () => document.getElementById(`pin-${place.signal}`)?.focus(),
     onDragOver: (e: DragEvent) => { e.preventDefault(); setOver(true); },

@@ -3,9 +3,9 @@ import { find, post } from "../api";
 import { failureOf, Problem, type Failure } from "../failure";
 import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
-import type { Balance, GateBound, LogPicture, Pin, Proposal } from "../types";
+import type { GateBound, LogPicture, Pin, Proposal, ProposalRequest } from "../types";
 import { Told, ToldList, useTold } from "../told";
-import { amount, short, shownNumber, withUnit } from "../units";
+import { amount, printedUnit, short, shownNumber, withUnit } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { BalanceEditor } from "./balance";
@@ -18,14 +18,6 @@ import { Thumbnail } from "./thumbnail";
 const slowest = 50;  // rows a second below which valves and pressures are not seen
 const fewMissing = 4;  // that are named; of more their number is told
 
-interface Request {
-  model?: string;
-  balance?: Balance;
-  columns?: { column: string; signal: string; unit: string }[];
-  geometry?: Record<string, number>;
-  gate?: GateBound[];
-}
-
 export function duration(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "?";
   return seconds < 120 ? withUnit(short(seconds), "s") : seconds < 7200 ? withUnit(short(seconds / 60), "min") : withUnit(short(seconds / 3600), "h");
@@ -35,8 +27,11 @@ export function duration(seconds: number | null): string {
 const moved = (pins: Pin[], signal: string, column: string, unit: string): Pin[] =>
   pins.map((pin) => pin.signal === signal ? { ...pin, column, unit } : pin.column === column ? { ...pin, column: null } : pin);
 
-const columnsOf = (pins: Pin[]): Request["columns"] =>
-  pins.filter((pin) => pin.column).map((pin) => ({ column: pin.column!, signal: pin.signal, unit: pin.unit ?? "" }));
+/** A unit that was read from the log is read from it again: only one that was chosen is said. */
+const columnsOf = (pins: Pin[], chosen: Record<string, string>): ProposalRequest["columns"] =>
+  pins.filter((pin) => pin.column).map((pin) => ({ column: pin.column!, signal: pin.signal, unit: chosen[placeOf(pin.signal, pin.column!)] ?? "" }));
+
+const placeOf = (signal: string, column: string) => `${signal} ← ${column}`;
 
 const stateOf = (pin: Pin): Reading["state"] => (!pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check");
 
@@ -48,12 +43,13 @@ export function Mapping() {
   const [awaited, setAwaited] = useState<string | null>(null);  // the kind of machine whose proposal is not here yet
   const [picture, setPicture] = useState<LogPicture | null>(null);
   const [problem, setProblem] = useState<Failure | null>(null);
-  const asked = useRef<Request>({});
+  const asked = useRef<ProposalRequest>(session?.mapping ?? {});
+  const chosenUnits = useRef<Record<string, string>>(Object.fromEntries((asked.current.columns ?? []).map(({ signal, column, unit }) => [placeOf(signal, column), unit])));
   const latest = useRef(0);
   const [answered, setAnswered] = useState(0);
 
   /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. False: it failed. */
-  const propose = useCallback(async (change: Request, shown: Partial<Proposal> = {}): Promise<boolean> => {
+  const propose = useCallback(async (change: ProposalRequest, shown: Partial<Proposal> = {}): Promise<boolean> => {
     asked.current = { ...asked.current, ...change };
     setProposal((before) => before && { ...before, ...shown });
     const turn = ++latest.current;
@@ -83,15 +79,17 @@ export function Mapping() {
   if (!proposal) return problem ? <Problem of={problem} /> : <p class="empty">{say("loading")}</p>;
   const put = (signal: string, column: string, unit = "") => {
     const pins = moved(proposal.pins, signal, column, unit);
-    void propose({ model: proposal.model, columns: columnsOf(pins) }, { pins });
+    if (unit) chosenUnits.current[placeOf(signal, column)] = unit;
+    void propose({ model: proposal.model, columns: columnsOf(pins, chosenUnits.current) }, { pins });
   };
   const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
   const takeKind = async (model: string) => {
-    const before = asked.current;
+    const before = [asked.current, chosenUnits.current] as const;
     asked.current = {};  // what was said of another machine
+    chosenUnits.current = {};
     setAwaited(model);
     setPicture(null);
-    if (!await propose({ model })) asked.current = before;
+    if (!await propose({ model })) [asked.current, chosenUnits.current] = before;
   };
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
@@ -122,7 +120,7 @@ export function Mapping() {
             {proposal.columns.map((column) => (
               <li key={column.column} draggable={column.numeric} class={column.signal ? "used" : "free"}
                 onDragStart={(e) => e.dataTransfer?.setData("text/plain", column.column)}>
-                <span class="name">{column.name}{column.unit && <small> {column.unit}</small>}</span>
+                <span class="name">{column.name}{column.unit && <small> {printedUnit(column.unit)}</small>}</span>
                 <Thumbnail thumbnail={column.thumbnail} />
                 <span class="range">{column.numeric ? `${short(column.low)} … ${short(column.high)}` : "–"}</span>
                 <span class="role">{awaited ? "" : column.signal ? say("mapUsedAs", { signal: column.signal }) : say("mapUnused")}</span>
@@ -173,7 +171,7 @@ export function Mapping() {
 }
 
 /** As people write them; of two spellings of one unit the last. */
-const unitsByName = (units: string[]) => new Map(units.map((unit) => [unit === "degC" ? "°C" : unit, unit]));
+const unitsByName = (units: string[]) => new Map(units.map((unit) => [printedUnit(unit), unit]));
 
 function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
   const say = useWords();

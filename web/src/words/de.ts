@@ -85,10 +85,12 @@ export const de: Words = {
   balanceOutput: "Ausgang",
   balanceNeeded: "Noch fehlt: die Bilanz, ein Ausgang und seine Terme.",
   balanceMore: "Noch ein Term",
-  balanceDrop: "Herausnehmen:",
+  balanceDrop: "Herausnehmen",
   mapNotReady: "Es fehlt noch: ",
   mapFileText: "Maschinendatei zeigen",
   mapGo: "Zur Werkbank",
+  mapAgain: "Spalten und Maße …",
+  mapAgainSure: "Zurück zu Spalten, Einheiten und Maßen? Was dem Modell hinzugefügt wurde, geht verloren.",
 
   logTitle: "Das Log",
   gateTitle: "<Hübe|Episoden>",
@@ -261,6 +263,9 @@ export const de: Words = {
   experimentSpeedLevels: "Geschwindigkeit von {signal}, der Reihe nach",
   print: "Drucken",
 
+  effectCoulomb: "Reibung fester Größe gegen die Bewegung",
+  effectViscous: "Reibung, die mit der Geschwindigkeit wächst",
+  effectPressure: "Reibung, die mit dem Druck wächst",
   addTitle: "Hinzufügen, was fehlt",
   addChoose: "Wählen Sie einen der versuchten Effekte, um zu sehen, was er bewirkte.",
   addLaw: "Gesetz",

@@ -88,6 +88,8 @@ export const en = {
   mapNotReady: "Still missing: ",
   mapFileText: "Show the machine file",
   mapGo: "To the workbench",
+  mapAgain: "Columns and sizes …",
+  mapAgainSure: "Back to columns, units and sizes? What was added to the model goes.",
 
   logTitle: "The log",
   gateTitle: "<Strokes|Episodes>",
@@ -260,6 +262,9 @@ export const en = {
   experimentSpeedLevels: "speed of {signal}, in turn",
   print: "Print",
 
+  effectCoulomb: "Friction of constant size against the motion",
+  effectViscous: "Friction that grows with speed",
+  effectPressure: "Friction that grows with pressure",
   addTitle: "Add what is missing",
   addChoose: "Choose an effect of those tried to see what it would do.",
   addLaw: "Law",

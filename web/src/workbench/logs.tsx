@@ -15,6 +15,7 @@ export function Logs({ session }: { session: Session }) {
     await refresh();
   });
   const loop = (session.machine?.closed_loop || session.machine?.valve_alone) ?? false;
+  const reopen = () => { if (session.versions.length < 2 || confirm(say("mapAgainSure"))) change(() => post("reopen")); };
   const held = session.logs.find((log) => log.held_out)?.name ?? "";
   return (
     <section class="logs">
@@ -23,6 +24,7 @@ export function Logs({ session }: { session: Session }) {
       <button class="quiet small" onClick={() => chooser.current?.click()}>{say("logAdd")}</button>
       <input ref={chooser} class="more-logs" type="file" multiple hidden aria-label={say("logAdd")} accept=".csv,.gz,.txt,.dat,.mat"
         onChange={(e) => { for (const file of e.currentTarget.files ?? []) change(() => upload("logs", file)); }} />
+      {session.mapped && <button class="quiet small" onClick={reopen}>{say("mapAgain")}</button>}
       {session.logs.length > 1 && (
         <label>{say(loop ? "loopBefore" : "logHoldOut")}{" "}
           <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; change(() => post("hold_out", { log })); }}>

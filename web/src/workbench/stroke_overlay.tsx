@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useLayoutEffect, useMemo, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
 import type { CompareResult, StrokeError, StrokePicture } from "../types";
@@ -15,7 +15,7 @@ export function tellingStroke(compare: CompareResult): number | undefined {
 /** The picture of a stroke: undefined while it comes, null if there is none. */
 export function usePicture(stroke: number | undefined, version: number, compared: unknown, effect = ""): StrokePicture | null | undefined {
   const [picture, setPicture] = useState<StrokePicture | null | undefined>(undefined);
-  useEffect(() => {
+  useLayoutEffect(() => {  // asks before the page is painted
     if (stroke === undefined) return setPicture(null);
     let wanted = true;
     find<StrokePicture>("strokes", { stroke, version, effect }).then((found) => wanted && setPicture(found), () => wanted && setPicture(null));
