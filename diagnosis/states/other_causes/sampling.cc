@@ -53,27 +53,56 @@ class OtherSamplings {
     const bool looks_for_time = !stated.outputs_late && std::ranges::all_of(few_, [](const Episode& episode) {
       return episode.mean_rows == 1;
     });
-    std::vector<OtherSampling> ways;
-    for (const InputHold hold : {stated.hold, InputHold::kZero, InputHold::kLinear, InputHold::kSmooth}) {
-      if (hold == stated.hold && !ways.empty()) continue;
-      const SampledFit held = hold == stated.hold ? as_stated : Fitted(hold, stated.outputs_late, fit_);
+    std::vector<Way> ways;
+    for (const InputHold hold : {InputHold::kZero, InputHold::kLinear, InputHold::kSmooth}) {
+      SampledFit held = hold == stated.hold ? as_stated : Fitted(hold, stated.outputs_late, fit_);
       if (!held.solved()) continue;
-      OtherSampling way{hold, stated.outputs_late.value_or(0)};
-      way.holds_otherwise = hold != stated.hold;
-      way.error = std::sqrt(held.energy / as_stated.energy);
-      ways.push_back(way);
-      if (!looks_for_time) continue;
-      const auto [late, energy] = TimeOf(held, hold);
-      way.late = late;
-      way.late_rows = late / period_;
-      way.is_late = late != 0;
-      way.error = std::sqrt(energy / as_stated.energy);
-      if (way.is_late) ways.push_back(way);
+      if (looks_for_time) Take(ways, OlderWith(hold, 0, held), as_stated);
+      Take(ways, {{hold, stated.outputs_late.value_or(0)}, std::move(held)}, as_stated);
     }
+    if (looks_for_time && ways.front().sampling.error <= options_.less_error) TakeLikeBest(ways, as_stated);
     return Plainest(ways);
   }
 
  private:
+  struct Way {
+    OtherSampling sampling;
+    SampledFit fit;
+  };
+
+  /// Into the list, best first.
+  void Take(std::vector<Way>& ways, Way way, const SampledFit& as_stated) const {
+    const LogFormat& stated = fit_.model->machine.log;
+    OtherSampling& sampling = way.sampling;
+    sampling.holds_otherwise = sampling.hold != stated.hold;
+    sampling.is_late = sampling.late != stated.outputs_late.value_or(0);
+    sampling.late_rows = sampling.late / period_;
+    sampling.error = std::sqrt(way.fit.energy / as_stated.energy);
+    if (!way.fit.solved()) return;
+    const auto at = std::ranges::upper_bound(ways, sampling.error, {},
+                                             [](const Way& other) { return other.sampling.error; });
+    ways.insert(at, std::move(way));
+  }
+
+  /// The other holds from where the best way ended: far from there a fit finds no way back. Inputs that are held are half a row older
+  /// on the mean than on lines between rows.
+  void TakeLikeBest(std::vector<Way>& ways, const SampledFit& as_stated) const {
+    constexpr double kNone = 0.05;  // rows
+    const Way best = ways.front();
+    const auto held = [](InputHold hold) { return hold == InputHold::kZero ? 0.5 : 0.0; };
+    for (const InputHold hold : {InputHold::kZero, InputHold::kLinear, InputHold::kSmooth}) {
+      Way way = best;
+      if (hold != best.sampling.hold) {
+        const double late = best.sampling.late + (held(best.sampling.hold) - held(hold)) * period_;
+        way = OlderWith(hold, late, Fitted(hold, late, best.fit.fit));
+        Take(ways, way, as_stated);
+      }
+      if (!way.fit.solved() || way.sampling.late == 0 || std::abs(way.sampling.late) > kNone * period_)
+        continue;
+      Take(ways, {{hold, 0}, Fitted(hold, std::nullopt, way.fit.fit)}, as_stated);
+    }
+  }
+
   /// Begins where `from` ended.
   SampledFit Fitted(InputHold hold, std::optional<double> late, const StateFit& from) const {
     Machine machine = fit_.model->machine;
@@ -112,34 +141,31 @@ class OtherSamplings {
     return -SymmetricFactor(own).Solve(cross)[last - 1];
   }
 
-  /// LogFormat::outputs_late that leaves least with one hold, 0 if none leaves clearly less than `held`, and what it leaves.
-  std::pair<double, double> TimeOf(const SampledFit& held, InputHold hold) const {
-    double late = 0;
-    SampledFit best = held;
-    for (int step = 0; step < options_.late_steps; ++step) {
-      const double by = OlderBy(best.fit, step == 0 ? options_.foreseen : 1),
+  /// With the age of outputs that leaves least with one hold; `from`: fitted with that hold and the age `late`.
+  Way OlderWith(InputHold hold, double late, SampledFit from) const {
+    Way best{{hold, late}, std::move(from)};
+    for (int step = 0; best.fit.solved() && step < options_.late_steps; ++step) {
+      const double by = OlderBy(best.fit.fit, step == 0 ? options_.foreseen : 1),
                    most = options_.late_rows * period_;
       if (std::abs(by) < options_.late_settled * period_) break;
-      const double next = std::clamp(late + by, -most, most);
-      SampledFit moved = Fitted(hold, next, best.fit);
-      if (!moved.solved() || moved.energy >= best.energy) break;
-      late = next;
-      best = std::move(moved);
+      const double next = std::clamp(best.sampling.late + by, -most, most);
+      SampledFit moved = Fitted(hold, next, best.fit.fit);
+      if (!moved.solved() || moved.energy >= best.fit.energy) break;
+      best = {{hold, next}, std::move(moved)};
     }
-    return {late, best.energy};
+    return best;
   }
 
   /// The best way; of those that leave hardly more the one that differs from the file in least, and by the least age.
-  std::optional<OtherSampling> Plainest(const std::vector<OtherSampling>& ways) const {
-    const auto less = [](const OtherSampling& a, const OtherSampling& b) { return a.error < b.error; };
-    const OtherSampling best = std::ranges::min(ways, less);
-    if (best.error > options_.less_error) return std::nullopt;
+  std::optional<OtherSampling> Plainest(const std::vector<Way>& ways) const {
+    const double best = ways.front().sampling.error;
+    if (best > options_.less_error) return std::nullopt;
     const auto changes = [](const OtherSampling& way) {
       return std::pair(int{way.holds_otherwise} + int{way.is_late}, std::abs(way.late_rows));
     };
-    OtherSampling plainest = best;
-    for (const OtherSampling& way : ways)
-      if (way.error <= options_.plainer * best.error && way.error <= options_.less_error &&
+    OtherSampling plainest = ways.front().sampling;
+    for (const auto& [way, fit] : ways)
+      if (way.error <= options_.plainer * best && way.error <= options_.less_error &&
           changes(way) < changes(plainest))
         plainest = way;
     return plainest;
