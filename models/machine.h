@@ -62,6 +62,8 @@ struct LogFormat {
   std::string time_unit = "s";
   std::optional<double> sample_period;  ///< s; found from the time column if absent
   InputHold hold = InputHold::kLinear;  ///< models with states are integrated between rows
+  /// s by which the outputs of a row are older than its inputs (below 0: newer), of models with states; found if absent.
+  std::optional<double> outputs_late;
 
   bool operator==(const LogFormat&) const = default;
 };

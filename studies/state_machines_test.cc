@@ -273,6 +273,29 @@ TEST(StateMachines, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
   }
 }
 
+/// Readings of the output between its rows, as a logger takes them that reads the channels in turn.
+TEST(StateMachines, OutputsThatAreNewerThanInputsAreNoLawThatIsMissing) {
+  EpisodeLog log;
+  log.machine = StatesMachine(StateMachineKind::kOscillator, "");
+  SimulatedStates simulated{StateMachineKind::kOscillator, "", 6, 1000};
+  simulated.newer = 0.25;
+  log.episodes = {EpisodeOf(SimulateStates(simulated), log.machine)};
+  const double period = log.episodes.front().time[1] - log.episodes.front().time[0];
+  const auto explained = ExplainReadEpisodes(log);
+  ASSERT_TRUE(explained) << explained.error().text;
+  EXPECT_EQ(explained->explanation.verdict, Verdict::kAdequate);
+  ASSERT_TRUE(explained->log.machine.log.outputs_late);
+  EXPECT_NEAR(*explained->log.machine.log.outputs_late, -0.25 * period, 0.01 * period);
+  EXPECT_THAT(ExplainText(*explained), testing::HasSubstr("0.25 rows newer than its inputs"));
+  const auto fit = FitEpisodes(log);
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_FALSE(fit->left.structured);
+  log.machine.log.outputs_late = 0;
+  const auto stated = ExplainReadEpisodes(log);
+  ASSERT_TRUE(stated) << stated.error().text;
+  EXPECT_EQ(stated->explanation.verdict, Verdict::kUnknown);
+}
+
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {
   const auto machine = ParseMachine(ExampleOfTheDocs(), "state_models.md");
   ASSERT_TRUE(machine) << machine.error().text;

@@ -1,6 +1,7 @@
 #include "diagnosis/states/general_laws.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,26 +34,42 @@ double EquationSize(const StateFit& rest, std::span<const Episode> episodes, con
   return 0;
 }
 
-/// A machine with effects of general shape in the equation that one of its effects adds to.
-struct GeneralLaws {
-  Machine machine;
-  std::vector<GeneralLaw> laws;
-
+/// A machine with effects of general shape in the equations that one of its effects adds to.
+class GeneralLaws {
+ public:
   /// `rest`: the machine fitted without the effect.
   GeneralLaws(const Machine& without, const std::string& effect, const StateFit& rest,
               std::span<const Episode> episodes);
+
+  const Machine& machine() const { return machine_; }
+  const std::vector<GeneralLaw>& laws() const { return laws_; }
+
+ private:
+  /// What an equation is about, and how large its rate.
+  struct Equation {
+    std::string name;
+    double size = 0;
+  };
+  /// `term`: of a size of one; `formula`: as people read it.
+  void Add(const std::vector<Equation>& equations, const std::string& term, const std::string& formula);
+
+  Machine machine_;
+  std::vector<GeneralLaw> laws_;
 };
 
 GeneralLaws::GeneralLaws(const Machine& without, const std::string& effect, const StateFit& rest,
                          std::span<const Episode> episodes)
-    : machine(without) {
-  constexpr double kFirst = 0.05, kMost = 1e3;  // of EquationSize
+    : machine_(without) {
   const std::vector<Effect> library = StateEffectsOf(without);
   const Effect* like = FindStateEffect(library, effect);
-  if (like == nullptr || like->adds.size() != 1) return;
-  const TermSpec& term = like->adds.front();
-  const double size = EquationSize(rest, episodes, term.parameter);
-  if (!(size > 0)) return;
+  if (like == nullptr) return;
+  std::vector<Equation> equations;
+  for (const TermSpec& term : like->adds) {
+    const double size = EquationSize(rest, episodes, term.parameter);
+    const bool known = std::ranges::any_of(
+        equations, [&](const Equation& equation) { return equation.name == term.parameter; });
+    if (size > 0 && !known) equations.push_back({term.parameter, size});
+  }
   const StateModel& model = *rest.model;
   const int variables = model.states() + static_cast<int>(model.inputs.size());
   for (int v = 0; v < variables; ++v) {
@@ -73,37 +90,61 @@ GeneralLaws::GeneralLaws(const Machine& without, const std::string& effect, cons
     for (const auto& [shape, formula] :
          {std::pair("{0}^2", "{}^2"), std::pair("{0}^3", "{}^3"), std::pair("{0}^5", "{}^5"),
           std::pair("{0}*abs({0})", "{0}*abs({0})"), std::pair("tanh(10*{0})", "a step in {}")}) {
-      UserEffectSpec law;
-      law.id = fmt::format("{} in {}", fmt::format(fmt::runtime(formula), name), term.parameter);
-      law.adds = {{term.parameter, fmt::format("c*{:.17g}*{}", size, fmt::format(fmt::runtime(shape), z))}};
-      law.parameters = {{"c", kFirst, -kMost, kMost}};
-      laws.push_back({law.id, term.parameter, fmt::format(fmt::runtime(formula), name)});
-      machine.user_effects.push_back(std::move(law));
+      const std::string term = fmt::format(fmt::runtime(shape), z),
+                        read = fmt::format(fmt::runtime(formula), name);
+      for (const Equation& equation : equations) Add({equation}, term, read);
+      if (equations.size() > 1) Add(equations, term, read);
     }
   }
 }
 
+void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string& term,
+                      const std::string& formula) {
+  constexpr double kFirst = 0.05, kMost = 1e3;  // of an equation's size
+  GeneralLaw law;
+  law.formula = formula;
+  UserEffectSpec effect;
+  for (const Equation& equation : equations) {
+    const std::string size = fmt::format("c_{}", equation.name);
+    effect.adds.push_back({equation.name, fmt::format("{}*{:.17g}*{}", size, equation.size, term)});
+    effect.parameters.push_back({size, kFirst, -kMost, kMost});
+    law.equations.push_back(equation.name);
+  }
+  law.id = fmt::format("{} in {}", formula, fmt::join(law.equations, ", "));
+  effect.id = law.id;
+  machine_.user_effects.push_back(std::move(effect));
+  laws_.push_back(std::move(law));
+}
+
 }  // namespace
 
-std::optional<Told> BetterGeneralLaw(const FoundSets& found, const std::string& effect) {
+std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect) {
   const StatesExplanation& out = found.out;
-  const GeneralLaws general(found.machine, effect, out.base.fit, found.episodes);
-  const CandidateFits fits(general.machine, found.episodes, found.starts_on, found.options, out.base);
+  const StateCandidate& rest = out.final.added.size() == 1 ? out.base : found.Without(effect);
+  if (!rest.fitted()) return {};
+  const GeneralLaws general(found.machine, effect, rest.fit, found.episodes);
+  const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
   std::vector<std::pair<StateContender, const GeneralLaw*>> contenders;
-  for (const GeneralLaw& law : general.laws)
-    if (auto contender = fits.Screened({law.id}, out.base))
-      contenders.emplace_back(std::move(*contender), &law);
+  for (const GeneralLaw& law : general.laws()) {
+    std::vector<std::string> added = rest.added;
+    added.push_back(law.id);
+    if (auto contender = fits.Screened(added, rest)) contenders.emplace_back(std::move(*contender), &law);
+  }
   std::ranges::stable_sort(contenders,
                            [](const auto& a, const auto& b) { return a.first.foreseen < b.first.foreseen; });
   if (contenders.size() > static_cast<std::size_t>(found.options.contenders))
     contenders.erase(contenders.begin() + found.options.contenders, contenders.end());
+  std::vector<std::string> alone = found.machine.added_effects;
+  alone.push_back(effect);
+  const auto effect_alone = BuildStateModel(found.machine, alone);
+  if (!effect_alone) return {};
   const double enough =
       out.final.held_out *
       (1 - (out.final_left.structured ? found.options.min_removed * out.final_left.least_share : 0));
   for (const auto& [contender, law] : contenders) {
     const StateCandidate other = fits.Fitted(contender);
     if (other.fitted() && other.held_out < enough &&
-        !SameLaw(out.base.fit, out.final, other, found.episodes, found.options.same_law))
+        !SameLaw(out.base.fit, out.final, other, found.episodes, found.options.same_law, effect_alone->get()))
       return NotToldFromGeneral(effect, *law);
   }
   return {};

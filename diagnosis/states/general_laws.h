@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/told.h"
 #include "diagnosis/states/found_sets.h"
@@ -11,13 +12,13 @@ namespace hydroscope {
 /// An effect of general shape that the machine file does not name.
 struct GeneralLaw {
   std::string id;
-  std::string equation;  ///< of this state or output
-  std::string formula;   ///< in a state or input
+  std::vector<std::string> equations;  ///< of these states or outputs
+  std::string formula;                 ///< in a state or input
 };
 
-/// A law of general shape (powers and a step of each state and input), in the equation that `effect` adds to, that the machine file
-/// does not name and that does better in place of this only effect of the set found, both fitted: a sentence that says so. None if
-/// the effect adds to several equations.
-std::optional<Told> BetterGeneralLaw(const FoundSets& found, const std::string& effect);
+/// A law of general shape (powers and a step of each state and input), in one of the equations that `effect` adds to or in all of
+/// them, that the machine file does not name and that does better in place of this effect of the set found, both fitted: a sentence
+/// that says so.
+std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect);
 
 }  // namespace hydroscope

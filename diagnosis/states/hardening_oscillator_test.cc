@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,6 +45,8 @@ struct Spring {
   double w0, d;   ///< 1/s
   double k3, k2;  ///< 1/s2
   double grows;   ///< share of the last row's input that the first row's is
+  double k5 = 0;  ///< 1/s2
+  double q = 0;   ///< drag
 };
 
 /// Rows at 610 Hz under noise of the input to 150 Hz, sensor noise of 0.5 %.
@@ -64,7 +67,7 @@ Episode OscillatorLog(const Spring& spring, int rows, unsigned seed) {
   double x = 0, v = 0;
   const auto push = [&](double at, double speed, double u) {
     return spring.w0 * spring.w0 * (u - at) - spring.d * speed - spring.k3 * at * at * at -
-           spring.k2 * at * at;
+           spring.k2 * at * at - spring.k5 * std::pow(at, 5) - spring.q * speed * std::abs(speed);
   };
   for (int row = 0; row < rows; ++row) {
     episode.signal(row, 1) = x + 0.006 * normal(random);
@@ -115,21 +118,55 @@ TEST(ExplainStates, NamesALawBesideWhichASmallOneIsMissing) {
   EXPECT_GT(x.unexplained, 0.02);
 }
 
-/// Of the effects of the file a stop comes nearest to a spring that hardens: a cube in its place, which no effect is, does better.
-TEST(ExplainStates, AStopIsNotNamedForASpringThatIsNotInTheFile) {
+/// A file with a stop in place of the spring that hardens; `adds`: to further equations.
+std::string WithStop(const std::string& adds = "") {
+  constexpr const char* kStop = R"toml([[effect]]
+id = "stop"
+adds = {{ v = "-k_s*(max(x - g, 0) - max(-x - g, 0))"{} }}
+parameters = {{ k_s = {{ start = 1e4, min = 0, max = 1e6 }}, g = {{ start = 1, min = 0.1, max = 4 }} }}
+)toml";
   std::string file = kOscillator;
   const std::size_t cubic = file.find("[[effect]]");
-  file.replace(cubic, file.find("[[effect]]", cubic + 1) - cubic, R"toml([[effect]]
-id = "stop"
-adds = { v = "-k_s*(max(x - g, 0) - max(-x - g, 0))" }
-parameters = { k_s = { start = 1e4, min = 0, max = 1e6 }, g = { start = 1, min = 0.1, max = 4 } }
-)toml");
-  const StatesExplanation x = Explained(OscillatorLog({362, 34, 1e3, 0, 1}, 1500, 7), file);
+  return file.replace(cubic, file.find("[[effect]]", cubic + 1) - cubic, fmt::format(kStop, adds));
+}
+
+/// That a cube would do better than the stop.
+bool ToldOfACube(const StatesExplanation& x, const std::string& equations) {
+  return std::ranges::any_of(x.warnings, [&](const Told& warning) {
+    return warning.english.starts_with("x^3 in the equation of " + equations + ",");
+  });
+}
+
+/// Of the effects of the file a stop comes nearest to a spring that hardens: a cube in its place, which no effect is, does better.
+TEST(ExplainStates, AStopIsNotNamedForASpringThatIsNotInTheFile) {
+  const StatesExplanation x = Explained(OscillatorLog({362, 34, 1e3, 0, 1}, 1500, 7), WithStop());
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_EQ(x.nearest, std::vector<std::string>{"stop"});
-  EXPECT_TRUE(std::ranges::any_of(x.warnings, [](const Told& warning) {
-    return warning.english.starts_with("x^3 in the equation of v");
-  }));
+  EXPECT_TRUE(ToldOfACube(x, "v"));
+}
+
+TEST(ExplainStates, AStopThatBendsItsSensorIsNotNamedForThatSpringEither) {
+  const StatesExplanation x = Explained(OscillatorLog({362, 34, 1e3, 0, 1}, 1500, 7),
+                                        WithStop(", y = \"1e-9*k_s*(max(x - g, 0) - max(-x - g, 0))\""));
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_EQ(x.nearest, std::vector<std::string>{"stop"});
+  EXPECT_TRUE(ToldOfACube(x, "v"));
+}
+
+TEST(ExplainStates, AStopBesideTheRightEffectIsNotNamedForASpringThatIsNotInTheFile) {
+  const StatesExplanation x = Explained(OscillatorLog({362, 34, 300, 0, 1, 0, 0.1}, 1500, 7), WithStop());
+  EXPECT_EQ(x.set, std::vector<std::string>{"drag"});
+  EXPECT_EQ(x.nearest, std::vector<std::string>{"stop"});
+  EXPECT_TRUE(ToldOfACube(x, "v"));
+}
+
+/// A cube is the nearest there is to a fifth power.
+TEST(ExplainStates, ACubeIsNotNamedForAFifthPowerThatIsNotInTheFile) {
+  for (const double k5 : {100.0, 600.0}) {
+    const StatesExplanation x = Explained(OscillatorLog({362, 34, 0, 0, 1, k5}, 1500, 7));
+    EXPECT_EQ(x.verdict, Verdict::kUnknown) << k5;
+    EXPECT_TRUE(x.set.empty()) << k5;
+  }
 }
 
 }  // namespace

@@ -60,6 +60,17 @@ RowMatrix TermsAt(const StateModel& near, const StateModel& with, const Eigen::V
   return out;
 }
 
+/// Those of a model whose parameters a fit of more effects has.
+Eigen::VectorXd ParametersFor(const StateModel& model, const StateFit& fit) {
+  Eigen::VectorXd out(model.parameter_count());
+  const auto& known = fit.model->parameters;
+  for (int p = 0; p < model.parameter_count(); ++p)
+    out[p] = fit.parameters[std::ranges::find(known, model.parameters[static_cast<std::size_t>(p)].name,
+                                              &StateParameter::name) -
+                            known.begin()];
+  return out;
+}
+
 bool ReadsThePastAnew(const StateModel& base, const StateModel& with) {
   // What a delayed input is at a row is not at hand here.
   return !base.delays.empty() || !with.delays.empty();
@@ -207,7 +218,7 @@ class NearestLawSearch {
 }  // namespace
 
 bool SameLaw(const StateFit& base, const StateCandidate& a, const StateCandidate& b,
-             std::span<const Episode> episodes, double share) {
+             std::span<const Episode> episodes, double share, const StateModel* some) {
   if (ReadsThePastAnew(*base.model, *a.fit.model) || ReadsThePastAnew(*base.model, *b.fit.model))
     return false;
   const auto terms = [&](const StateCandidate& candidate) {
@@ -215,7 +226,11 @@ bool SameLaw(const StateFit& base, const StateCandidate& a, const StateCandidate
                    RowsOf(candidate, episodes, 1));
   };
   const RowMatrix of_a = terms(a);
-  return (of_a - terms(b)).norm() <= share * of_a.norm();
+  const double size =
+      some == nullptr
+          ? of_a.norm()
+          : TermsAt(*base.model, *some, ParametersFor(*some, a.fit), RowsOf(a, episodes, 1)).norm();
+  return (of_a - terms(b)).norm() <= share * size;
 }
 
 std::optional<NearestLaw> NearestLawTo(const StateFit& base, const StateCandidate& found,

@@ -23,9 +23,10 @@ struct NearestLaw {
 };
 
 /// Whether the terms that the effects of two fitted candidates add to the equations of `base` are the same function in these
-/// episodes: they differ by no more than `share` of the first's. False where an input is delayed.
+/// episodes: they differ by no more than `share` of the first's, or of those of some of its effects alone, which `some` has. False
+/// where an input is delayed.
 bool SameLaw(const StateFit& base, const StateCandidate& a, const StateCandidate& b,
-             std::span<const Episode> episodes, double share);
+             std::span<const Episode> episodes, double share, const StateModel* some = nullptr);
 
 /// Where the terms of `with`, a model with other effects than `found`, are nearest to those that the effects of `found` add to
 /// the equations of `base` along its run; parameters that both have stay as found. Where the law of one holds that of the

@@ -94,10 +94,9 @@ class SearchConclusion {
     return MayHideGeneralLaw() ? BetterGeneralLaw(found_, id) : std::nullopt;
   }
 
-  /// Of a single effect: functions predict something of what is left, or that lasts and covers small differences of shape.
+  /// Functions predict something of what is left, or that lasts and covers small differences of shape.
   bool MayHideGeneralLaw() const {
-    return out_.final.added.size() == 1 &&
-           (out_.final_left.structured || (!out_.dynamics && out_.SlowShare() > 0));
+    return out_.final_left.structured || (!out_.dynamics && out_.SlowShare() > 0);
   }
 
   /// Share of what the set found explains that it does not without one of its effects.

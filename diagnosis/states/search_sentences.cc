@@ -1,5 +1,8 @@
 #include "diagnosis/states/search_sentences.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace hydroscope {
 
 Told CannotBeTried(const std::string& effect, const Told& why) {
@@ -54,7 +57,7 @@ Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law) {
       "the file all laws that may be, excite the machine more strongly, or record for longer",
       "{} in der Gleichung von {}, kein Effekt der Maschinendatei, erklärt mehr als {}: das Gesetz kann ein anderes sein. Der "
       "Datei alle Gesetze geben, die es sein können, die Maschine stärker anregen oder länger aufzeichnen",
-      law.formula, law.equation, effect);
+      law.formula, fmt::format("{}", fmt::join(law.equations, ", ")), effect);
 }
 
 Told MayStandIn(const std::string& effect, double share) {

@@ -32,6 +32,7 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
       inputs_(model_->driving()),
       parameters_(model_->parameter_count()),
       hold_(model_->machine.log.hold),
+      late_(model_->machine.log.outputs_late.value_or(0)),
       values_registers_(model_->dynamics.values.Registers()),
       slopes_registers_(model_->dynamics.slopes.Registers()),
       output_registers_(model_->output.values.Registers()),
@@ -334,7 +335,6 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     constexpr int kTryAgain = 32;  // rows after which what was stiff, or an end stop, may be over
     if ((row - first) % kTryAgain == 0) stiff_ = false;
     TakeInputs(episode, row);
-    if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
     Output(row - first, run);
     if (episode.mean_rows > 1) Average(episode, row, run);
     run.rows = row - first + 1;

@@ -98,6 +98,7 @@ class StateSimulator {
   void HoldAtLimits(const double* x, double* rate);
   void InputAt(double fraction);
   void TakeInputs(const Episode& episode, int row);
+  void TakeParts(const Episode& episode, int row, double from, double to);
   void Take(const RowCourse& course, std::size_t place);
   bool Row(const Episode& episode, int row);
   void Breaks(const Episode& episode, int row);
@@ -126,6 +127,7 @@ class StateSimulator {
   int states_, inputs_, parameters_;  ///< inputs: with what is delayed
   int wanted_ = 0, columns_ = 0;      ///< columns of sensitivities, and with what they are padded by
   InputHold hold_;
+  double late_;  ///< LogFormat::outputs_late: inputs act so much later on what the rows say of outputs
   Eigen::VectorXd theta_, limits_;
   RowMatrix gain_;
   RowMatrix limit_slopes_;

@@ -157,6 +157,34 @@ TEST(StateSimulation, ADelayOfAnInputThatMovesEvenlyHasTheDerivativeOfDifference
     EXPECT_NEAR(run.slopes(row, 0), (more.outputs(row, 0) - less.outputs(row, 0)) / (2 * by), 2e-3);
 }
 
+TEST(StateSimulation, OutputsThatAreOlderThanInputsSeeThoseOfTheirTime) {
+  constexpr int kRows = 80, kStep = 30;
+  constexpr double kPeriod = 0.05;
+  Episode episode = Rows(kRows, kPeriod, 0);
+  for (int row = kStep; row < kRows; ++row) episode.signal(row, 0) = 1;
+  for (const double late : {0.123, -0.018, -0.07}) {
+    for (const double dead : {0.0, 0.04}) {
+      Machine machine = DelayedLag("zero");
+      machine.log.outputs_late = late;
+      const StateRun run = RunOf(machine, episode, Eigen::VectorXd::Constant(1, dead), 0);
+      ASSERT_FALSE(run.diverged);
+      for (int row = 0; row < kRows; ++row) {
+        const double since = kPeriod * (row - kStep) - dead - late;
+        EXPECT_NEAR(run.outputs(row, 0), since > 0 ? (1 - std::exp(-2 * since)) / 2 : 0, 1e-6)
+            << late << " " << row;
+      }
+    }
+    Machine direct = Lag("initial = 0");
+    direct.log.outputs_late = late;
+    const StateRun run = RunOf(direct, episode, Eigen::VectorXd::Constant(1, 2), 0);
+    for (int row = 0; row < kRows; ++row) {
+      const double since = kPeriod * (row - kStep) - late;
+      EXPECT_NEAR(run.outputs(row, 0), since > 0 ? (1 - std::exp(-2 * since)) / 2 : 0, 1e-6)
+          << late << " " << row;
+    }
+  }
+}
+
 TEST(StateSimulation, AnInputThatMovesSmoothlyIsFollowedBetweenItsRows) {
   constexpr double kOmega = 2 * std::numbers::pi * 0.2 / 0.05;  // a fifth of the sampling rate
   Episode episode = Rows(200, 0.05, 0);

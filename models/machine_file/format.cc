@@ -66,6 +66,7 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
   if (log.sample_period) pairs.emplace_back("sample_period", Plain(*log.sample_period));
   if (log.hold != InputHold::kLinear)
     pairs.emplace_back("hold", Quoted(kInputHoldNames[static_cast<std::size_t>(log.hold)]));
+  if (log.outputs_late) pairs.emplace_back("outputs_late", Plain(*log.outputs_late));
   return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
                  pairs, notes, "log");
 }

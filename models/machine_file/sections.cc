@@ -153,6 +153,7 @@ void ReadLogSection(TableReader& file, Machine& machine) {
     section.Number("sample_period", log.sample_period, kSecondsAboveZero);
     if (const auto hold = section.Choice("hold", {kInputHoldNames.begin(), kInputHoldNames.end()}))
       log.hold = static_cast<InputHold>(*hold);
+    section.Number("outputs_late", log.outputs_late, Quantity{.si = "s"});
     if (section.Has("time")) ReadTimeColumn(section, *file.Table("log"), log);
     if (log.time_column.empty() && !log.sample_period)
       section.Wrong("time", "a column, or sample_period = <seconds between rows> beside it");

@@ -55,6 +55,18 @@ TEST(StatesFile, IsReadInSiAndReadsBackEqual) {
   EXPECT_EQ((*model)->parameters.back().name, "leak.l");
 }
 
+TEST(StatesFile, SaysHowMuchOlderOutputsAreThanInputs) {
+  const auto late = [](const std::string& log) {
+    const auto machine = ParseMachine(log + kHead + kStates + kRest, "tanks.toml");
+    EXPECT_TRUE(machine) << machine.error().text;
+    EXPECT_EQ(ParseMachine(FormatMachine(*machine), "tanks.toml").value(), *machine);
+    return machine->log.outputs_late;
+  };
+  EXPECT_FALSE(late(""));
+  EXPECT_EQ(late("[log]\noutputs_late = 0\n"), 0.0);
+  EXPECT_EQ(late("[log]\noutputs_late = { value = -0.2, unit = \"ms\" }\n"), -2e-4);
+}
+
 TEST(StatesFile, AShaftIsASpeedAndAnUnknownInitialValueMayBeSoughtNearSomething) {
   const std::string speed = "n = { column = \"n\", unit = \"rpm\" }\n";
   const auto with = [&](const std::string& signal, const std::string& state, const std::string& shaft) {

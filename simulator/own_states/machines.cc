@@ -30,6 +30,7 @@ struct StatesPlant {
   int steps = 20;     ///< per row
   std::vector<double> input;
   std::vector<int> measured;  ///< states
+  double newer = 0;           ///< share of a row after which they are measured
 };
 
 /// Sizes of what is small.
@@ -46,9 +47,10 @@ std::vector<State> Course(const StatesPlant& plant, std::size_t rows, const Dist
   const double h = plant.period / plant.steps;
   State x = plant.start;
   for (std::size_t row = 0; row < rows; ++row) {
-    course.push_back(x);
     const Drive drive{plant.input[row], by.disturbance * normal(random), by.extra};
+    const int read = static_cast<int>(std::lround(plant.newer * plant.steps));
     for (int s = 0; s < plant.steps; ++s) {
+      if (s == read) course.push_back(x);
       State a{}, b{}, c{}, d{}, mid{};
       const auto at = [&](const State& rate, double step) {
         for (std::size_t i = 0; i < x.size(); ++i) mid[i] = x[i] + step * rate[i];
@@ -90,6 +92,7 @@ class Machines {
     StatesPlant plant = s_.kind == StateMachineKind::kOscillator ? Oscillator()
                         : s_.kind == StateMachineKind::kTanks    ? Tanks()
                                                                  : Actuator();
+    plant.newer = s_.newer;
     StatesLog log;
     log.input = plant.input;
     for (std::size_t row = 0; row < plant.input.size(); ++row)

@@ -25,6 +25,8 @@ struct SimulatedStates {
   /// highest values, an input whose converter has a gain of its own, a small further law and a small disturbance of the
   /// process, some initial state, five to fifteen rows per period, excitations of all sorts.
   bool measured = false;
+  /// Share of a row by which the outputs of a row are newer than its input: a logger that reads its channels in turn.
+  double newer = 0;
 };
 
 struct StatesLog {

@@ -83,12 +83,16 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   return warnings;
 }
 
-/// Straight lines are what a file that says nothing means: where inputs clearly move in another way, that is taken.
-bool IsDefault(InputHold hold) { return hold == LogFormat().hold; }
+/// Straight lines, and outputs read when inputs are, are what a file that says nothing means: where it is clearly otherwise, that is
+/// taken.
+bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
+  return !other.holds_otherwise || stated.hold == LogFormat().hold;
+}
 
-EpisodeLog WithHold(EpisodeLog log, const OtherHold& taken) {
+EpisodeLog WithSampling(EpisodeLog log, const OtherSampling& taken) {
   log.machine.log.hold = taken.hold;
-  log.warnings.push_back(TakenHoldText(taken));
+  if (taken.is_late) log.machine.log.outputs_late = taken.late;
+  log.warnings.push_back(TakenSamplingText(taken));
   return log;
 }
 
@@ -149,9 +153,9 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   if (out.left.structured || out.slow()) {
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
     out.missing_limit = FindMissingLimit(out.fit, log.episodes);
-    out.other_hold = FindOtherHold(out.fit, log.episodes);
-    if (out.other_hold && IsDefault(log.machine.log.hold))
-      return FitEpisodes(WithHold(std::move(log), *out.other_hold));
+    out.other_sampling = FindOtherSampling(out.fit, log.episodes);
+    if (out.other_sampling && IsTaken(*out.other_sampling, log.machine.log))
+      return FitEpisodes(WithSampling(std::move(log), *out.other_sampling));
   }
   out.drift = FindParameterDrift(out.fit, out.left);
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
@@ -228,12 +232,12 @@ Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   if (x.verdict == Verdict::kUnknown || x.partial)
-    if (const auto other = FindOtherHold(x.final.fit, fitted)) {
-      if (IsDefault(out.log.machine.log.hold)) {
+    if (const auto other = FindOtherSampling(x.final.fit, fitted)) {
+      if (IsTaken(*other, out.log.machine.log)) {
         out.log.warnings = read;
-        return ExplainReadEpisodes(WithHold(std::move(out.log), *other));
+        return ExplainReadEpisodes(WithSampling(std::move(out.log), *other));
       }
-      out.log.warnings.push_back(OtherHoldText(*other));
+      out.log.warnings.push_back(OtherSamplingText(*other));
     }
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);

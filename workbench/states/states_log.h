@@ -8,10 +8,10 @@
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/missing_sensors.h"
-#include "diagnosis/states/other_causes/input_hold.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/parameter_drift.h"
+#include "diagnosis/states/other_causes/sampling.h"
 #include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/state_experiment.h"
 #include "estimation/linear_form/starts.h"
@@ -65,7 +65,7 @@ struct StatesFit {
   StateFit fit;
   std::optional<LinearFit> linear;  ///< where the fit began, of kinds with a linear form
   StateRemainder left;
-  std::optional<OtherHold> other_hold;
+  std::optional<OtherSampling> other_sampling;
   std::optional<DoubtedLimit> doubted_limit;
   std::optional<MissingLimit> missing_limit;
   std::optional<ParameterDrift> drift;  ///< over the log

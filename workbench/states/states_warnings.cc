@@ -95,7 +95,7 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
   if (fit.missing_limit) warnings.push_back(MissingLimitText(*fit.missing_limit, fit.log.machine, false));
   if (fit.dynamics) warnings.push_back(MissingDynamicsText(*fit.dynamics));
   if (fit.drift) warnings.push_back(ParameterDriftText(*fit.drift));
-  if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));
+  if (fit.other_sampling) warnings.push_back(OtherSamplingText(*fit.other_sampling));
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));
   else if (fit.may_lack_law())
