@@ -149,7 +149,7 @@ TEST_F(OneAnswer, FitAndCheckShowTheSizesOfAddedEffects) {
 TEST_F(OneAnswer, CheckAdvisesACommandOnTheTerminalAndWhatToDoElsewhere) {
   const std::string log = Simulate("leak.csv", 90, 4, {"--effect", "internal_leakage=4e-12"});
   EXPECT_THAT(Run({"check", log, "-m", Cushion()}).out,
-              HasSubstr("find what the model misses first: 'hydroscope explain'"));
+              HasSubstr("find what the model misses first: see 'hydroscope explain'"));
   const nlohmann::json k = Json({"check", log, "-m", Cushion()})["parameters"]["K"];
   EXPECT_EQ(k["advice"], "find what the model misses first");
   EXPECT_EQ(k["german"]["advice"], "erst finden, was dem Modell fehlt");

@@ -187,7 +187,7 @@ std::string Identification(const CheckResult& check) {
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);
     if (!p.advice.empty())
       text += fmt::format("           advice: {}{}\n", p.advice.english,
-                          p.explain_first ? ": 'hydroscope explain' with the same arguments" : "");
+                          p.explain_first ? ": see 'hydroscope explain'" : "");
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = UnitOfErrors(check.machine);

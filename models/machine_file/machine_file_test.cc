@@ -178,7 +178,7 @@ TEST(MachineFile, EverySettingReadsBackAfterWriting) {
   machine.name = "press \"7\"\n\\ hall \x01 2";
   machine.model_version = 4;
   machine.added_effects = {"coulomb_friction"};
-  machine.log = {',', '.', 3, false, true, "2", "ms", 0.0005};
+  machine.log = {',', '.', 3, false, true, "2", "ms", 0.0005, InputHold::kZero, -0.0002};
   machine.signals[0].scale = 3;
   machine.signals[0].offset = -1;
   machine.signals[0].required = false;
