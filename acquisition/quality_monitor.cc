@@ -244,9 +244,8 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     const std::size_t piece = std::min(end - row, kFrame - frame_row_);
     const double* x = column_.data() + kHistory + row;
     Quality* flags = flags_.data() + row;
-    const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
-    const double far = track.settled && !track.is_marker ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
-    const double near = kNearExtreme * sigma;
+    const double far = track.settled && !track.is_marker ? LeastSpike(track) : kInfinity;
+    const double near = kNearExtreme * Sigma(track);
     const Counts counts = Count(x, piece,
                                 {track.scale, far, track.low, track.high, -track.extremes[1].value + near,
                                  track.extremes[0].value - near});
@@ -358,7 +357,7 @@ void QualityMonitor::FlagBack(Quality* at, std::int64_t rows, Quality flag) {
 void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track,
                                   Quality* flags) {
   Extreme& extreme = track.extremes[side];
-  const double near = kNearExtreme * std::max(track.scale / kMedianThirdDifference, track.known_noise);
+  const double near = kNearExtreme * Sigma(track);
   const double sign = side == 0 ? 1.0 : -1.0;
   for (std::size_t i = 0; i < rows; ++i) {
     const double reading = sign * x[i];

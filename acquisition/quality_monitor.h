@@ -54,9 +54,10 @@ struct ChannelQuality {
 /// Noise scale: median of the third differences other than zero (they cancel parabolic motion), followed in
 /// frames of 64 rows; sigma = median / (0.6745 sqrt(20)) for white noise.
 ///
-/// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
-/// back two rows, after a sharp step until it is no pulse, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
-/// are flagged as well. Inspect gives out what need not be held any longer, Flush the last rows at the end of a log.
+/// A spike can only be told two rows later, a pulse of a few rows after it has ended, and a signal that stands still only after
+/// `stuck_time`: the monitor holds back two rows, after a sharp step until it is no pulse, and the rows of a run of one reading
+/// as long as it may turn out to be stuck, so that the first ones are flagged as well. Inspect gives out what need not be held
+/// any longer, Flush the last rows at the end of a log.
 class QualityMonitor {
  public:
   /// `sample_period` in s.
@@ -136,7 +137,9 @@ class QualityMonitor {
   void WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags);
   void FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagPulses(const double* x, std::size_t rows, const Track& track, Quality* flags);
-  double LeastStep(const Track& track) const;
+  static double Sigma(const Track& track);
+  static double LeastStep(const Track& track);
+  static double LeastSpike(const Track& track);
   void BeginFrame(Track& track);
   void CountFlags(const SampleBlock& block, std::size_t rows);
 

@@ -13,17 +13,23 @@ constexpr Quality kBreaks =
 
 }  // namespace
 
-/// A step between two readings that noise does not make.
-double QualityMonitor::LeastStep(const Track& track) const {
-  return kSpikeStd * std::max(track.scale / kMedianThirdDifference, track.known_noise);
+/// Standard deviation of the noise.
+double QualityMonitor::Sigma(const Track& track) {
+  return std::max(track.scale / kMedianThirdDifference, track.known_noise);
 }
 
+/// A step between two readings that noise does not make.
+double QualityMonitor::LeastStep(const Track& track) { return kSpikeStd * Sigma(track); }
+
+/// Twice the distance to the mean of both neighbours that noise does not make.
+double QualityMonitor::LeastSpike(const Track& track) { return kSpikeStd * kTwiceDistanceStd * Sigma(track); }
+
 void QualityMonitor::FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags) {
-  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
+  const double least = LeastSpike(track);
   for (std::size_t i = 0; i < rows; ++i) {
     const double* v = x + i;
     const double distance = 0.5 * std::abs((v[1] - v[0]) - (v[0] - v[-1]));
-    if (!(2.0 * distance > kSpikeStd * kTwiceDistanceStd * sigma)) continue;
+    if (!(2.0 * distance > least)) continue;
     const bool neighbours_agree = kSpikeOverNeighbours * std::abs(v[1] - v[-1]) <= distance;
     const bool quiet_before = kSpikeOverNeighbours * std::abs(v[-1] - v[-2]) <= distance;
     const bool quiet_after = kSpikeOverNeighbours * std::abs(v[2] - v[1]) <= distance;
@@ -37,8 +43,7 @@ void QualityMonitor::FlagSpikes(const double* x, std::size_t rows, const Track& 
 /// makes no difference what else is looked at with it.
 void QualityMonitor::FlagPulses(const double* x, std::size_t rows, const Track& track, Quality* flags) {
   if (!track.settled || track.is_marker) return;
-  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
-  const double least = kSpikeStd * kTwiceDistanceStd * sigma;
+  const double least = LeastSpike(track);
   for (std::size_t i = 0; i < rows; ++i) {
     const double* after = x + i;
     const double out = after[0] - after[-1], bend = (after[1] - after[0]) - out;
@@ -59,9 +64,9 @@ void QualityMonitor::FlagPulses(const double* x, std::size_t rows, const Track& 
   }
 }
 
-/// Rows since the oldest step that a pulse may have begun with which cannot be judged yet. Steps count from less than half of what
-/// FlagPulses asks for: the scale may fall a little until it does. Of many rows at once, in which it may fall far, the most
-/// are held.
+/// Rows since the oldest step that a pulse may have begun with which cannot be judged yet. Steps count from less than half
+/// of what FlagPulses asks for: the scale may fall a little until it does. Of many rows at once, in which it may fall far,
+/// as many are held as a pulse may last.
 std::size_t QualityMonitor::PulseUnderWay(const SampleBlock& block) {
   constexpr unsigned kLooked = (1U << (kLongestPulse + kAhead)) - 1;  // steps into that many rows
   std::size_t longest = 0;

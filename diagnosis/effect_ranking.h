@@ -49,7 +49,7 @@ class EffectRanking {
 
   /// Every named effect that is not in `on` yet, best first; those that cannot be fitted come last.
   std::vector<RankedEffect> Rank(const CandidateModel& on) const;
-  /// Generic laws on top of `on` (machines/die_cushion/generic_laws.h), best first.
+  /// Generic laws on top of `on` (ModelStructure::generic_laws), best first.
   std::vector<RankedEffect> RankGeneric(const CandidateModel& on) const;
   /// Held-out error energy removed, in noise variances, less the price of free nonlinear parameters.
   double Gain(const ExtendedFit& from, const ExtendedFit& to) const;

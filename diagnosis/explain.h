@@ -239,7 +239,7 @@ struct Explanation {
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});
 
 /// The same with the samples at hand: thresholds, widths and exponents of the effects that come close are
-/// refined on the samples before the verdict, and generic laws (machines/die_cushion/generic_laws.h) stand against the
+/// refined on the samples before the verdict, and generic laws (ModelStructure::generic_laws) stand against the
 /// named effects. Where the model as it is has effects and one of them may be wrong, it is taken out and the
 /// rest explained again (Explanation::swap).
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,

@@ -310,8 +310,7 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
     RefuseWhatMayBeZero(options, out);
   }
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
-  // An effect, or a law without a name, brings it down to the noise: neither other strokes nor another floor would settle the
-  // doubt.
+  // An effect, or a law without a name, brings it down to the noise: no other strokes or floor would settle the doubt.
   if (out.nameless || (out.small_error && out.final.effects.size() > out.base.effects.size())) return out;
   const StrokesUnder under = StrokesOf(strokes, window, out.noise_scale);
   ExplainOptions scaled = options;

@@ -14,6 +14,7 @@
 #include "host/text_file.h"
 #include "live/burst_memory.h"
 #include "live/log.h"
+#include "live/process_use.h"
 #include "models/model_structure.h"
 #include "models/source_kind.h"
 #include "monitor/promoted_model.h"

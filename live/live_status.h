@@ -87,13 +87,4 @@ std::string PrometheusText(const LiveStatus& status);
 /// For people, from the JSON.
 std::string StatusText(const nlohmann::json& status);
 
-/// Processor time (s), resident memory (bytes) and open descriptors of a process ("self" or its id), from
-/// /proc; zero if it is gone.
-struct ProcessUse {
-  double cpu = 0;
-  std::int64_t memory = 0;
-  int descriptors = 0;
-};
-ProcessUse UseOf(const std::string& process);
-
 }  // namespace hydroscope

@@ -6,7 +6,7 @@
 
 #include "host/output.h"
 #include "host/real_clock.h"
-#include "live/live_status.h"
+#include "live/process_use.h"
 #include "models/live_spec.h"
 #include "models/machine.h"
 #include "monitor/press_monitor.h"

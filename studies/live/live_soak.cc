@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "host/output.h"
-#include "live/live_status.h"
+#include "live/process_use.h"
 #include "studies/live/live_benchmarks.h"
 #include "studies/live/live_rig.h"
 

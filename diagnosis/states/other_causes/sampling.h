@@ -24,8 +24,7 @@ struct SamplingOptions {
   double late_settled = 0.001;  ///< row; nearer it need not be known
 };
 
-/// Inputs seem to move between rows in another way than `[log] hold` says, or a row's outputs to be older or newer than its
-/// inputs.
+/// Inputs seem to move between rows in another way than `[log] hold` says, or outputs of a row to be older or newer than they.
 struct OtherSampling {
   InputHold hold = InputHold::kLinear;
   double late = 0;       ///< LogFormat::outputs_late
