@@ -1,9 +1,9 @@
 // What the page knows: the session of work and the results for the version of the model in force.
 
-import { useEffect, useState } from "preact/hooks";
 import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./api";
 import { knowEffects, withGerman } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
+import { Outside } from "./outside";
 import { shareOfVariation } from "./units";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, LoopChanges, LoopResult, Session } from "./types";
 
@@ -28,30 +28,17 @@ interface State {
   connected: boolean;
 }
 
-let state: State = { session: null, locked: false, anyUsers: true, effects: [], results: {}, failed: {}, jobs: {}, connected: true };
-const listeners = new Set<() => void>();
+const store = new Outside<State>({ session: null, locked: false, anyUsers: true, effects: [], results: {}, failed: {}, jobs: {}, connected: true });
+const set = (change: Partial<State>) => store.set(change);
 const waiting = new Map<number, (job: Job) => void>();
 
-function set(change: Partial<State>) {
-  state = { ...state, ...change };
-  for (const listener of listeners) listener();
-}
-
-export function useStore(): State {
-  const [, redraw] = useState(0);
-  useEffect(() => {
-    const listener = () => redraw((n) => n + 1);
-    listeners.add(listener);
-    return () => void listeners.delete(listener);
-  }, []);
-  return state;
-}
+export const useStore = (): State => store.use();
 
 /** Starts long work and waits for its end. */
 export async function work(kind: string, more: object = {}, path = "work"): Promise<void> {
   const { job } = await post<{ job: number }>(path, { kind, ...more });
   const ended = await new Promise<Job>((resolve) => {
-    const known = state.jobs[job];
+    const known = store.now.jobs[job];
     if (known && (known.state === "done" || known.state === "failed")) resolve(known);
     else waiting.set(job, resolve);
   });
@@ -60,7 +47,7 @@ export async function work(kind: string, more: object = {}, path = "work"): Prom
 
 /** Errors of several outputs together are shares, and read as percent. Changes `of`, which has a `unit` of errors, and gives it back. */
 export function withShares<T extends { unit?: string } | null | undefined>(of: T): T {
-  if (of && of.unit === "1" && state.session?.machine?.states) of.unit = shareOfVariation;
+  if (of && of.unit === "1" && store.now.session?.machine?.states) of.unit = shareOfVariation;
   return of;
 }
 
@@ -79,13 +66,21 @@ async function workOut(kind: Kind, version: number) {
       await work(kind);
       result = await known();
     }
-    if (!result || state.session?.machine?.version !== version) return;
-    set({ results: { ...state.results, [kind]: withShares(result) } });
-    const judged = state.session.versions.find((one) => one.current);
+    if (!result || store.now.session?.machine?.version !== version) return;
+    set({ results: { ...store.now.results, [kind]: withShares(result) } });
+    const judged = store.now.session.versions.find((one) => one.current);
     if (kind === "compare" && judged?.rms_holdout === null) set({ session: await sessionNow() });  // which tells the errors of this version
   } catch (caught) {
-    set({ failed: { ...state.failed, [kind]: failureOf(caught) } });
+    set({ failed: { ...store.now.failed, [kind]: failureOf(caught) } });
   }
+}
+
+/** What is told of a job: by an event, or by the session if that event was lost. */
+function hearOfJob(job: Job) {
+  set({ jobs: { ...store.now.jobs, [job.job]: job } });
+  if (job.state !== "done" && job.state !== "failed") return;
+  waiting.get(job.job)?.(job);
+  waiting.delete(job.job);
 }
 
 let shown = "";  // what the results belong to: logs, version, library, what was measured
@@ -96,6 +91,7 @@ export async function refresh(): Promise<void> {
   const locked = session.login !== null && session.login.to_read && session.user === null;
   set({ locked, anyUsers: session.login?.users ?? true });
   if (locked) return;
+  session.jobs.filter((job) => waiting.has(job.job)).forEach(hearOfJob);
   const now = session.machine && session.logs.length > 0
     ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects, session.measured]) : "";
   if (now === shown) return set({ session });
@@ -116,23 +112,21 @@ export function hear(hearer: Hearer): void {
 }
 
 export function start(): void {
-  whenLoggedOut(() => { if (state.session?.user) void refresh(); });
+  whenLoggedOut(() => { if (store.now.session?.user) void refresh(); });
   listen((event) => {
     for (const hearer of hearers) hearer(event);
     if (event.job === undefined && event.state !== "changed") return;
     if (event.state === "changed") return void refresh();
-    const job = event as unknown as Job;
-    set({ jobs: { ...state.jobs, [job.job]: job } });
-    if (job.state !== "done" && job.state !== "failed") return;
-    waiting.get(job.job)?.(job);
-    waiting.delete(job.job);
+    hearOfJob(event as unknown as Job);
   }, (connected) => {
-    if (connected && !state.connected) {
+    if (connected && !store.now.connected) {
       shown = "";
       void refresh();
       for (const hearer of hearers) hearer({ state: "connected" });
+    } else if (connected && waiting.size > 0) {
+      void refresh();  // of what ended before the stream stood no event comes
     }
-    if (connected !== state.connected) set({ connected });
+    if (connected !== store.now.connected) set({ connected });
   });
   void refresh().catch(() => set({ connected: false }));
 }

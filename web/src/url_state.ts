@@ -1,6 +1,7 @@
 // What is looked at stands in the address, so that it can be kept, sent and gone back from.
 
-import { useEffect, useState } from "preact/hooks";
+import { useMemo } from "preact/hooks";
+import { useOutside } from "./outside";
 
 type Query = Record<string, string>;
 
@@ -10,12 +11,11 @@ function read(): Query {
 
 /** The state of the address and a way to change it; "" takes a key away. */
 export function useUrl(): [Query, (change: Query) => void] {
-  const [query, setQuery] = useState(read);
-  useEffect(() => {
-    const changed = () => setQuery(read());
+  const hash = useOutside(() => location.hash, (changed) => {
     addEventListener("hashchange", changed);
     return () => removeEventListener("hashchange", changed);
-  }, []);
+  });
+  const query = useMemo(read, [hash]);
   const change = (values: Query) => {
     const next = { ...read(), ...values };
     for (const key of Object.keys(next)) if (next[key] === "") delete next[key];

@@ -1,0 +1,42 @@
+// What may come in another order than usual when a page begins. node --test start_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { endBrowser, startBrowser, visitIn } from "./browser_fixture.mjs";
+import { folder, run } from "./program.mjs";
+
+const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
+const place = folder();
+
+before(async () => {
+  await startBrowser();
+  run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--effect", "internal_leakage=4e-12"], place.path);
+});
+after(async () => {
+  await endBrowser();
+  place.remove();
+});
+
+/** Drawing waits for frames; none comes for a second. */
+const withoutFrames = () => {
+  const later = window.setTimeout;
+  window.requestAnimationFrame = (then) => later(() => then(performance.now()), 1000);
+  window.setTimeout = (then, ms, ...more) => later(then, Math.max(ms ?? 0, 1000), ...more);
+};
+
+test("a session that is there before the page listens is drawn", async (t) => {
+  const { page, address } = await visitIn(place.path, t, []);
+  await page.addInitScript(withoutFrames);
+  await page.goto(address);
+  await page.waitForSelector(".drop", { timeout: 30_000 });
+});
+
+test("work that ended before its events are heard is seen", async (t) => {
+  const { page, address } = await visitIn(place.path, t, ["leak.csv", "--machine", machine]);
+  await page.route("**/api/v1/events", async (route) => {
+    await new Promise((go) => setTimeout(go, 5000));
+    await route.continue();
+  });
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas", { timeout: 60_000 });
+});
