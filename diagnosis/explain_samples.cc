@@ -297,6 +297,36 @@ void TellOfFloor(Explanation& x) {
       100 * above));
 }
 
+/// Laws of general shape that are weighed against names: as many as six signals have. Of each pair of many signals they would
+/// be thousands, whose products no memory holds.
+constexpr std::size_t kMostGeneralLaws = 111;
+
+/// The model with those of its general laws that gain most on top of it, each by itself.
+std::shared_ptr<const ModelStructure> WithFewerGeneralLaws(std::shared_ptr<const ModelStructure> model,
+                                                           std::span<const StrokeStretches> strokes,
+                                                           const WindowSamples& window,
+                                                           const ExplainOptions& options) {
+  const auto& laws = model->generic_laws;
+  if (laws.size() <= kMostGeneralLaws) return model;
+  std::vector<std::pair<double, std::shared_ptr<const Effect>>> gains;
+  for (std::size_t first = 0; first < laws.size(); first += kMostGeneralLaws) {
+    const auto some = std::span(laws).subspan(first, std::min(kMostGeneralLaws, laws.size() - first));
+    auto part = std::make_shared<ModelStructure>(*model);
+    AddLibrary({some.begin(), some.end()}, *part);
+    const StrokeSet set(part, GramsOf(part, strokes, window), window);
+    const CandidateModel start = StartModel(set, options.start);
+    if (!start.fit.solved) break;
+    for (const RankedEffect& law : EffectRanking(set, options, start.fit.noise_variance).RankGeneric(start))
+      gains.emplace_back(law.gain, part->effects[law.effect]);
+  }
+  std::ranges::stable_sort(gains, std::greater{}, [](const auto& law) { return law.first; });
+  gains.resize(std::min(gains.size(), kMostGeneralLaws));
+  auto fewer = std::make_shared<ModelStructure>(*model);
+  fewer->generic_laws.clear();
+  for (const auto& [gain, law] : gains) fewer->generic_laws.push_back(law);
+  return fewer;
+}
+
 /// The explanation of the model as it is, whatever was added to it.
 Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
@@ -360,6 +390,7 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            const ExplainOptions& asked) {
   ExplainOptions options = asked;
   AddUntestable(*model, strokes, options.untestable);
+  model = WithFewerGeneralLaws(std::move(model), strokes, window, options);
   Explanation out = ExplainAsItIs(model, strokes, window, options);
   AllowForNoise(options, out);
   if (!IsOwnMachine(*model)) DoubtTime(strokes, options, out);

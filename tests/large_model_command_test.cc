@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <iomanip>
@@ -12,6 +13,13 @@ namespace {
 
 using namespace command_line_test;
 using testing::HasSubstr;
+
+/// The most memory that this process had so far, MB.
+double PeakMemory() {
+  rusage used = {};
+  getrusage(RUSAGE_SELF, &used);
+  return 1e-3 * static_cast<double>(used.ru_maxrss);
+}
 
 /// A machine of the user's own with as many parameters as a balance may have.
 class LargeModel : public CommandLine {
@@ -75,6 +83,7 @@ TEST_F(LargeModel, OfAllSizesIsFittedExplainedAndReplayed) {
     ASSERT_EQ(replay.exit_code, 0) << terms << replay.err;
     EXPECT_NEAR(replay.Json()["parameters"]["a0"]["value"].get<double>(), Truth(0), 0.05) << terms;
     EXPECT_EQ(Run({"explain", "--db", db}).exit_code, 0) << terms;
+    EXPECT_LT(PeakMemory(), 1000) << terms;  // laws of each pair of signals would be some GB
   }
 }
 
