@@ -119,6 +119,11 @@ struct ExplainOptions {
   double evidence_growth = 0.5;
   /// Standard errors of the model error's energy above floor_excess up to which it may still be noise alone.
   double floor_errors = 2;
+  /// Named effects that are functions of one and the same signal: as many draw any curve over it, as one law may that nobody
+  /// wrote down.
+  std::size_t any_curve = 3;
+  /// Laws without a name that are proposed, at most: more would say no more than that the log tells none of them.
+  std::size_t most_proposed = 5;
   /// p-value that an effect needs where the model as it is leaves no more than noise: some thirty effects in several shapes
   /// each are tried, which together find one in a hundred such logs (Bonferroni).
   double chance_at_floor = 1e-4;
@@ -188,6 +193,15 @@ struct EffectSwap {
   double rms_after = 0;         ///< ... and with the swap
 };
 
+/// A law of general shape that no effect of the machine file has, and that explains the error as far as one does.
+struct ProposedLaw {
+  std::string expression;  ///< as an effect of the machine file would have it
+  std::string
+      late_signal;  ///< whose rate it is: what leaves such an error comes late, or through a filter; "" else
+  double rms_holdout = 0;  ///< output unit
+  double excess_ratio = 0;
+};
+
 struct Explanation {
   std::shared_ptr<const ModelStructure> model;  ///< has the shapes that every EffectChoice below names
   Verdict verdict = Verdict::kUnknown;
@@ -203,6 +217,8 @@ struct Explanation {
   bool small_error = false;
   /// With `unknown`: `margin_law`, a law without a name, describes the strokes down to the floor, and what was found does not.
   bool nameless = false;
+  /// With `unknown`, of a machine of the user's own: laws that each bring the model as it is down to the noise, best first.
+  std::vector<ProposedLaw> proposed;
   Told doubt;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
   double trifle = 0;

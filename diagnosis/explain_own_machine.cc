@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "diagnosis/subset_search.h"
 #include "estimation/gram_fit.h"
@@ -42,6 +43,8 @@ class OwnMachineExplainer {
     if (!out.base.solved) return out;
     const SubsetResult found = SearchSubsets(strokes_, start_, Candidates(), Options());
     const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
+    const std::vector<RankedEffect> laws = at_floor ? std::vector<RankedEffect>{} : GeneralLaws(out.ranking);
+    ProposeLaws(laws, out);
     if (found.best.choices.size() == start_.choices.size()) {
       out.verdict = at_floor ? Verdict::kAdequate : Verdict::kUnknown;
       return out;
@@ -49,7 +52,8 @@ class OwnMachineExplainer {
     TakeSteps(found.best, out);
     out.groups = Groups(found, out);
     Judge(out);
-    if (out.verdict != Verdict::kUnknown) ObjectIfAGeneralLawIsBetter(out);
+    if (out.verdict != Verdict::kUnknown) ObjectIfAGeneralLawIsBetter(laws, out);
+    if (out.verdict != Verdict::kUnknown && !out.partial) DoubtIfAnyCurve(out);
     return out;
   }
 
@@ -75,9 +79,9 @@ class OwnMachineExplainer {
   }
 
   /// Laws of general shape, but for those that are much the same as one of the machine file's effects, `ranking`.
-  std::vector<int> GeneralLaws(const std::vector<RankedEffect>& ranking) const {
-    std::vector<int> out;
-    for (const RankedEffect& law : ranking_.RankGeneric(start_)) {
+  std::vector<RankedEffect> GeneralLaws(const std::vector<RankedEffect>& ranking) const {
+    std::vector<RankedEffect> out;
+    for (RankedEffect& law : ranking_.RankGeneric(start_)) {
       if (!law.fit.solved) continue;
       const EffectEstimate& alone = law.fit.effects.back();
       const bool same = std::ranges::any_of(ranking, [&](const RankedEffect& named) {
@@ -86,19 +90,36 @@ class OwnMachineExplainer {
             ranking_.With(ranking_.With(start_, named.fit.effects.back().choice), alone.choice).fit;
         return !both.solved || both.effects.back().independent < options_.same_flow * alone.independent;
       });
-      if (!same) out.push_back(law.effect);
+      if (!same) out.push_back(std::move(law));
     }
     return out;
   }
 
+  double MostLeft(const Explanation& out) const {
+    return options_.floor_excess + options_.left_share * std::max(0.0, out.base.excess_ratio);
+  }
+
+  /// The first of `laws`, which are best first, that explains the error, and those that do so about as well.
+  void ProposeLaws(const std::vector<RankedEffect>& laws, Explanation& out) const {
+    for (const RankedEffect& law : laws) {
+      const bool explains = law.significant && law.fit.excess_ratio <= MostLeft(out);
+      if (!explains || out.proposed.size() == options_.most_proposed ||
+          !ranking_.IsRival(law.fit, laws.front().fit, laws.front().gain))
+        continue;
+      const Effect& effect = *strokes_.model().effects[law.effect];
+      const bool falls = law.fit.effects.back().size < 0;
+      out.proposed.push_back(
+          {(falls ? "-" : "") + effect.title, effect.late_signal, law.fit.rms_holdout, law.fit.excess_ratio});
+    }
+  }
+
   /// A name rests on what happens to be in the machine file where laws that nobody wrote down, in place of effects found, do
   /// better, or as well with fewer.
-  void ObjectIfAGeneralLawIsBetter(Explanation& out) const {
+  void ObjectIfAGeneralLawIsBetter(const std::vector<RankedEffect>& laws, Explanation& out) const {
     const Effects named = Added({out.chosen, {}}, static_cast<std::size_t>(out.started));
-    const std::vector<int> laws = GeneralLaws(out.ranking);
     if (laws.empty()) return;
     Effects candidates = named;
-    candidates.insert(candidates.end(), laws.begin(), laws.end());
+    for (const RankedEffect& law : laws) candidates.push_back(law.effect);
     SubsetOptions options = Options();
     options.max_effects = static_cast<int>(named.size());
     options.max_candidates = static_cast<int>(candidates.size());
@@ -121,6 +142,24 @@ class OwnMachineExplainer {
     out.verdict = Verdict::kUnknown;
     out.set.clear();
     out.groups.clear();
+  }
+
+  /// Several effects over one signal may be no more than the curve of one that is missing.
+  void DoubtIfAnyCurve(Explanation& out) const {
+    std::map<std::string, std::vector<std::string>> over;
+    for (const int e : Added({out.chosen, {}}, static_cast<std::size_t>(out.started)))
+      if (const Effect& effect = *strokes_.model().effects[e]; effect.reads.size() == 1)
+        over[effect.reads.front()].push_back(effect.id);
+    for (const auto& [signal, ids] : over) {
+      if (ids.size() < options_.any_curve) continue;
+      out.partial = true;
+      out.doubt = Tell(
+          "{} all go with {} alone: together they draw the curve of any law of it, also of one that the "
+          "machine file lacks",
+          "{} gehen alle mit {} allein: zusammen zeichnen sie die Kurve jedes Gesetzes davon, auch eines, das der "
+          "Maschinendatei fehlt",
+          fmt::to_string(fmt::join(ids, ", ")), signal);
+    }
   }
 
   /// Whether an error that is larger stroke by stroke, `worse`, is so for sure, by the groups in which strokes hang together.
@@ -182,8 +221,7 @@ class OwnMachineExplainer {
   }
 
   void Judge(Explanation& out) const {
-    const double allowed = options_.floor_excess + options_.left_share * std::max(0.0, out.base.excess_ratio);
-    if (out.final.excess_ratio > allowed) {
+    if (out.final.excess_ratio > MostLeft(out)) {
       out.verdict = Verdict::kUnknown;
       out.partial = true;
       out.groups.clear();

@@ -99,6 +99,8 @@ struct Effect {
   /// or relative if that is "". Empty: nothing.
   Told drifting;
   std::string drifts_by;
+  /// What a law of a machine file is a function of: signals and rates as they stand there.
+  std::vector<std::string> reads;
   std::vector<int> channels;  ///< DieCushionChannel needed beyond the base model's
   bool walks = false;         ///< Column::walks of its columns
   /// Of a model with states: a state or an output (TermSpec::parameter) and what is added to its equation, over what the
@@ -112,6 +114,8 @@ struct Effect {
   /// A law without a name, one of the first powers and products of the signals. It never becomes a verdict; it tells
   /// whether a named effect has left something, and whether a law that nobody thought of would do as well.
   bool generic = false;
+  std::string
+      late_signal;  ///< generic: the signal whose rate it is, as one leaves that comes late or through a filter
   bool plain_flow = false;  ///< generic, and a flow that goes with a signal, like a leak
   /// Its columns are in no stored Gram: it is tried where samples are at hand (AddSampleEffects).
   bool needs_samples = false;

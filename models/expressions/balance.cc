@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "models/expressions/general_laws.h"
 #include "models/expressions/user_effect.h"
@@ -127,6 +128,18 @@ std::vector<int> ChannelsRead(const Machine& machine, const std::vector<Expressi
   return channels;
 }
 
+/// Measured channels that the balance reads, but for those whose rate is a channel of its own.
+std::vector<int> SignalsWithoutRate(const std::vector<Expression>& balance, const ModelStructure& model) {
+  std::set<std::string> read;
+  for (const Expression& part : balance) read.merge(NamesIn(*part));
+  std::vector<int> channels;
+  for (std::size_t c = 0; c < model.channel_source.size(); ++c)
+    if (read.contains(model.channel_names[c]) &&
+        !Contains(model.channel_names, fmt::format("ddt({})", model.channel_names[c])))
+      channels.push_back(static_cast<int>(c));
+  return channels;
+}
+
 /// All channels, in the unit of their signal or of what they are computed from.
 void ShowChannels(const Machine& machine, ModelStructure& model) {
   for (std::size_t c = 0; c < model.channel_names.size(); ++c) {
@@ -195,8 +208,9 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
     auto effect = TRY(MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit}));
     effects.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
+  const std::vector<int> late = SignalsWithoutRate(trees, *model);
   trees.pop_back();  // the output
-  model->generic_laws = GeneralLaws(*model, ChannelsRead(machine, trees, *model));
+  model->generic_laws = GeneralLaws(*model, ChannelsRead(machine, trees, *model), late);
   model->derive_channels = channels.Derivation();
   ShowChannels(machine, *model);
   AddLibrary(std::move(effects), *model);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
@@ -33,25 +34,45 @@ class LawMaker {
   void Add(std::span<const GeneralForm> forms, int a, int b) {
     const std::map<std::string, int> channel_of = {{"a", a}, {"b", b}};
     for (const GeneralForm& form : forms) {
-      Effect law;
-      law.title = fmt::format(fmt::runtime(form.shown), model_.channel_names[static_cast<std::size_t>(a)],
-                              model_.channel_names[static_cast<std::size_t>(b)]);
-      law.id = "generic: " + law.title;
-      law.generic = true;
-      law.min = -kInfinity;
-      law.max = law.typical = kInfinity;
       const std::vector<ExpressionPart> parts = {{ParseExpression(form.computed).value(), nullptr}};
       auto ready = std::make_shared<const ExpressionParts>(parts, channel_of);
-      law.variant = [column = FillOf(std::move(ready), model_.level_form)](const auto&) {
-        return PlainVariant(column);
-      };
-      laws_.push_back(std::make_shared<const Effect>(std::move(law)));
+      Add(fmt::format(fmt::runtime(form.shown), model_.channel_names[static_cast<std::size_t>(a)],
+                      model_.channel_names[static_cast<std::size_t>(b)]),
+          FillOf(std::move(ready), model_.level_form));
     }
+  }
+
+  /// Rate of a channel, in a balance of levels.
+  void AddRate(int channel) {
+    const std::string& signal = model_.channel_names[static_cast<std::size_t>(channel)];
+    Add(
+        fmt::format("ddt({})", signal),
+        [channel](const Stretch& s, double&, std::span<double> out) {
+          const double* const x = s[channel];
+          const int last = s.samples + s.after - 1;
+          for (int k = 0; k < static_cast<int>(out.size()); ++k) {
+            const int from = std::max(k - 1, -s.before), to = std::min(k + 1, last);
+            out[static_cast<std::size_t>(k)] = to > from ? (x[to] - x[from]) / ((to - from) * s.period) : 0;
+          }
+        },
+        signal);
   }
 
   std::vector<std::shared_ptr<const Effect>> Take() { return std::move(laws_); }
 
  private:
+  void Add(std::string expression, Column::Fill column, std::string late_signal = "") {
+    Effect law;
+    law.late_signal = std::move(late_signal);
+    law.id = "generic: " + expression;
+    law.title = std::move(expression);
+    law.generic = true;
+    law.min = -kInfinity;
+    law.max = law.typical = kInfinity;
+    law.variant = [column = std::move(column)](const auto&) { return PlainVariant(column); };
+    laws_.push_back(std::make_shared<const Effect>(std::move(law)));
+  }
+
   const ModelStructure& model_;
   std::vector<std::shared_ptr<const Effect>> laws_;
 };
@@ -59,7 +80,8 @@ class LawMaker {
 }  // namespace
 
 std::vector<std::shared_ptr<const Effect>> GeneralLaws(const ModelStructure& model,
-                                                       const std::vector<int>& channels) {
+                                                       const std::vector<int>& channels,
+                                                       const std::vector<int>& late) {
   LawMaker laws(model);
   for (const int a : channels) laws.Add(kOfOne, a, a);
   for (std::size_t i = 0; i < channels.size(); ++i)
@@ -67,6 +89,8 @@ std::vector<std::shared_ptr<const Effect>> GeneralLaws(const ModelStructure& mod
       if (i < k) laws.Add(kOfTwo, channels[i], channels[k]);
       if (i != k) laws.Add(kAgainst, channels[i], channels[k]);
     }
+  if (model.level_form)
+    for (const int channel : late) laws.AddRate(channel);
   return laws.Take();
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/constants.h"
 #include "core/told_error.h"
@@ -53,6 +54,16 @@ void AddSignals(const Machine& machine, ModelStructure& model) {
       model.channel_source.push_back(signal);
     }
   }
+}
+
+/// Signals and rates that parts are a function of, each once.
+std::vector<std::string> ReadBy(const std::vector<ExpressionPart>& parts) {
+  std::set<std::string> names;
+  for (const ExpressionPart& part : parts) {
+    if (part.weight) names.merge(NamesIn(*part.weight));
+    if (part.level) names.insert(fmt::format("ddt({})", CanonicalText(*part.level)));
+  }
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -106,6 +117,8 @@ Result<Effect> MakeUserEffect(const Machine& machine, const UserEffectSpec& spec
   const std::vector<ExpressionPart> parts =
       context.level_form ? std::vector<ExpressionPart>{{context.channels->Windowed(tree), nullptr}}
                          : context.channels->Parts(tree);
+  e.reads = ReadBy(parts);
+  for (const ShapeSpec& s : spec.shape) std::erase(e.reads, s.name);
   e.variant = [parts, shape = spec.shape, channel_of = context.channels->Indices(),
                level_form = context.level_form](const std::vector<double>& nonlinear) {
     auto ready = std::make_shared<const ExpressionParts>(WithShape(parts, shape, nonlinear), channel_of);

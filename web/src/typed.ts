@@ -2,6 +2,9 @@
 
 import { useState } from "preact/hooks";
 
+/** As if a person had typed it. */
+export const type = (name: string, text: string): void => sessionStorage.setItem(`typed ${name}`, text);
+
 /** Text of a field that is called `name`, and how it is changed; "" where nothing is typed begins with `first`. */
 export function useTyped(name: string, first = ""): [string, (text: string) => void] {
   const key = `typed ${name}`;

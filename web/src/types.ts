@@ -131,6 +131,8 @@ export interface Plan {
   strokes: number; speeds?: number[]; pressures?: number[]; rod_pressures?: number[]; warm_up?: number; seconds: number;
   signals?: { signal: string; speed: boolean; levels: [number, number][] }[];
 }
+export interface ProposedLaw { expression: string; rms_holdout: number; late_signal: string | null; sentence: string; german?: { sentence: string } }
+
 export interface ExplainResult {
   verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; may_be_noise?: boolean; small_error?: boolean; slow?: boolean; short_runs?: boolean; astray?: boolean; doubtful?: boolean; nearest?: string[]; noise_at_most?: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
@@ -138,7 +140,7 @@ export interface ExplainResult {
   odd_strokes?: { strokes: number[]; set: string[]; parameter?: string; sentence: string; german?: { sentence: string } }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
   swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
   remainder?: { equation?: string; value_unit?: string; signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
-  located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;
+  proposed_laws?: ProposedLaw[]; located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;
 }
 
 export interface Effect {

@@ -358,6 +358,20 @@ test("what to record of a machine of one's own stands in the units that its sign
   assert.ok(await page.locator("h1:has-text('Can this log be believed?')").isVisible(), "other pages are printed as they stand");
 });
 
+test("a law that the machine file lacks is proposed, and written as an effect by a click", async (t) => {
+  const effect = '[[effect]]\nid = "viscous"\nterms = { b = "ddt(x)" }\nmin = 0\n';
+  writeFileSync(join(place.path, "viscous.toml"), readFileSync(join(machines, "seal_friction.toml"), "utf8").replace(/\[\[effect\]\][^]*/, effect));
+  sealLogs();
+  const { page, address } = await visit(t, ["seal_1.csv", "seal_3.5.csv", "seal_6.csv", "--machine", "viscous.toml"]);
+  await page.goto(address);
+  await page.waitForSelector("[data-verdict=unknown]");
+  const law = await page.locator("[data-law]").first().getAttribute("data-law");
+  assert.match(law, /p\*|ddt\(x\)/);
+  await page.click("[data-law]");
+  assert.equal(await page.inputValue("input[name=own-expression]"), law);
+  await page.waitForSelector(".own .verdict.good");
+});
+
 test("an expression of one's own is checked while it is written, tried and added", async (t) => {
   const { page, address } = await visit(t, []);
   const own = join(place.path, "own.toml");  // a library that does not hold what is missing

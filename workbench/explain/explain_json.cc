@@ -194,6 +194,21 @@ nlohmann::json RelativesJson(const ExplainResult& result) {
   return out;
 }
 
+nlohmann::json ProposedLawsJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  if (result.explanation.verdict != Verdict::kUnknown) return out;
+  for (const ProposedLaw& law : result.explanation.proposed) {
+    const Told late = LateSignal(law);
+    out.push_back({{"expression", law.expression},
+                   {"rms_holdout", law.rms_holdout * Factor(result)},
+                   {"excess_ratio", law.excess_ratio},
+                   {"late_signal", JsonOrNull(law.late_signal)},
+                   {"sentence", late.english},
+                   {"german", {{"sentence", late.german}}}});
+  }
+  return out;
+}
+
 /// Sizes that tests off the log gave.
 nlohmann::json MeasuredJson(const ExplainResult& result) {
   nlohmann::json out = nlohmann::json::object();
@@ -247,6 +262,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"ranking", RankingJson(result)},
       {"nearest", NearestEffects(x)},
       {"relatives", RelativesJson(result)},
+      {"proposed_laws", ProposedLawsJson(result)},
       {"measured", MeasuredJson(result)},
       {"odd_strokes", OddStrokesJson(result)},
       {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},

@@ -133,6 +133,26 @@ std::string UnknownText(const ExplainResult& result) {
                             x.doubt.empty() ? "more than noise is left" : x.doubt.english);
 }
 
+/// Laws that may be missing in the machine file, and how to have one tried.
+std::string ProposedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  if (x.verdict != Verdict::kUnknown || x.proposed.empty()) return "";
+  const DisplayUnit unit = OutputUnit(result.log.machine);
+  std::string text = fmt::format("\nWhat is missing may go with {}; the error on {} left out would be, {}\n",
+                                 x.proposed.size() == 1 ? "this" : "one of these",
+                                 CountedWordsOf(result.log.machine).many, unit.name);
+  for (const ProposedLaw& law : x.proposed) {
+    text += fmt::format("  {:<30} {:>8}\n", law.expression, ShortNumber(law.rms_holdout * unit.factor));
+    if (const Told late = LateSignal(law); !late.empty()) text += fmt::format("    {}\n", late.english);
+  }
+  const auto physics = std::ranges::find(x.proposed, "", &ProposedLaw::late_signal);
+  if (physics == x.proposed.end()) return text;
+  return text + fmt::format(
+                    "  If physics of the machine goes so, write it into the machine file and explain again:\n"
+                    "    [[effect]]\n    id = \"NAME\"\n    terms = {{ k = \"{}\" }}\n",
+                    physics->expression);
+}
+
 /// Why a set is not proven, if so.
 std::string DoubtText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
@@ -381,7 +401,7 @@ std::string ExplainText(const ExplainResult& result) {
   if (!result.log.machine.added_effects.empty())
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
-  return text + StepsText(result) + ParametersText(result) + AddedText(result) +
+  return text + ProposedText(result) + StepsText(result) + ParametersText(result) + AddedText(result) +
          IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) + RankingText(result) +
          RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
          (result.remainder ? RemainderText(*result.remainder, unit.factor, unit.name) : "") +

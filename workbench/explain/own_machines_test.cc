@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "diagnosis/subset_search.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_output.h"
@@ -74,6 +76,38 @@ TEST(OwnMachines, WhatALawThatTheFileLacksGoesWithIsSaid) {
   ASSERT_TRUE(result);
   EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown);
   EXPECT_THAT(result->explanation.doubt.english, HasSubstr("p*ddt(x)"));
+  ASSERT_FALSE(result->explanation.proposed.empty());
+  EXPECT_EQ(result->explanation.proposed.front().expression, "p*ddt(x)");
+  EXPECT_LT(result->explanation.proposed.front().rms_holdout, 1.1 * result->explanation.final.noise_floor);
+  EXPECT_THAT(ExplainText(*result), HasSubstr("terms = { k = \"p*ddt(x)\" }"));
+}
+
+TEST(OwnMachines, ASignalThatComesLateIsTold) {
+  LogStrokes log = OwnMachineStrokes({.hidden = {}, .noise = 0.05, .seed = 4}, OwnMachine());
+  const auto force = std::ranges::find(log.model->channel_names, "F") - log.model->channel_names.begin();
+  for (StrokeStretches& stroke : log.stretches)
+    for (Stretch& s : stroke) {
+      auto& f = s.channel[static_cast<std::size_t>(force)];
+      std::rotate(f.rbegin(), f.rbegin() + 1, f.rend());  // a row later
+      f.front() = f[1];
+    }
+  const auto result = ExplainStrokes(std::move(log));
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown);
+  ASSERT_FALSE(result->explanation.proposed.empty());
+  EXPECT_NE(result->explanation.proposed.front().late_signal, "");
+  EXPECT_THAT(ExplainText(*result), HasSubstr("not of the same moment"));
+}
+
+TEST(OwnMachines, ThreeEffectsOfOneSignalAreNoProofOfThree) {
+  Machine machine = OwnMachine();
+  std::erase_if(machine.user_effects, [](const auto& effect) { return effect.id == "stribeck"; });
+  const auto result = ExplainStrokes(OwnMachineStrokes(
+      {.hidden = {"coulomb", "viscous", "drag"}, .size = 4, .noise = 0.1, .seed = 7}, machine));
+  ASSERT_TRUE(result);
+  ASSERT_THAT(result->explanation.set, UnorderedElementsAre("coulomb", "viscous", "drag"));
+  EXPECT_TRUE(result->explanation.partial);
+  EXPECT_THAT(result->explanation.doubt.english, HasSubstr("all go with ddt(x) alone"));
 }
 
 /// Noise that goes on from row to row hardly shows between neighbouring rows, and is most of what blocks of them have.

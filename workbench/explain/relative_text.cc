@@ -18,4 +18,12 @@ std::vector<Relative> RelativesOf(const ExplainResult& result) {
   return out;
 }
 
+Told LateSignal(const ProposedLaw& law) {
+  if (law.late_signal.empty()) return {};
+  return Tell(
+      "as if {} and the other signals were not of the same moment: one comes late, or through a filter",
+      "als gehörten {} und die anderen Signale nicht zum selben Augenblick: eines kommt später oder durch ein Filter",
+      law.late_signal);
+}
+
 }  // namespace hydroscope

@@ -18,4 +18,7 @@ struct Relative {
 /// Those of an explanation that is partial, in the order in which they were added; [] of any other.
 std::vector<Relative> RelativesOf(const ExplainResult& result);
 
+/// What a law that goes with the rate of a signal means more often than physics; "" of any other.
+Told LateSignal(const ProposedLaw& law);
+
 }  // namespace hydroscope

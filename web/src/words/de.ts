@@ -215,6 +215,8 @@ export const de: Words = {
   noiseAlone: "Sensorrauschen allein {noise}",
   noiseAtMost: "Rauschen höchstens {noise}",
   partOfIt: "Einen Teil davon erklärt: ",
+  mayGoWith: "Was fehlt, geht vielleicht so; der Fehler ist dann:",
+  writeAsEffect: "Als Effekt schreiben",
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; damit {after}; {noise}.",
   verdictError: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; {noise}.",
   verdictShort: "Gemeint sind kurze Läufe; der Fehler bei den Fassungen ist der auf längeren Stücken.",

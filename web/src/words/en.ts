@@ -214,6 +214,8 @@ export const en = {
   noiseAlone: "sensor noise alone {noise}",
   noiseAtMost: "noise at most {noise}",
   partOfIt: "A part of it: ",
+  mayGoWith: "What is missing may go with this; the error is then:",
+  writeAsEffect: "Write it as an effect",
   verdictErrors: "Error on <strokes|pieces> left out {before}; with it {after}; {noise}.",
   verdictError: "Error on <strokes|pieces> left out {before}; {noise}.",
   verdictShort: "Short runs are meant; the error beside the versions is that of longer pieces.",

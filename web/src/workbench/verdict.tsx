@@ -1,8 +1,10 @@
 import { Problem, type Failure } from "../failure";
 import { Formula } from "../formula";
-import type { Effect, ExplainResult, Session } from "../types";
+import type { Effect, ExplainResult, ProposedLaw, Session } from "../types";
 import { Told, ToldList } from "../told";
+import { type } from "../typed";
 import { amount } from "../units";
+import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
 import { Experiment } from "./experiment";
@@ -42,6 +44,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
+      {(explain.proposed_laws?.length ?? 0) > 0 && <Proposed laws={explain.proposed_laws!} unit={unit} />}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}{explain.short_runs && ` ${say("verdictShort")}`}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("notEverywhere")}<Told of={odd} what="sentence" /></p>)}
@@ -52,6 +55,25 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       <Measured session={session} effects={effects} suspects={explain.set} />
       <AsPrinted text={explain.text} />
     </section>
+  );
+}
+
+/** Laws that may be missing in the machine file; each leads to where it is written as an effect. */
+function Proposed({ laws, unit }: { laws: ProposedLaw[]; unit: string }) {
+  const say = useWords();
+  const [, go] = useUrl();
+  const write = (expression: string) => { type("own expression", expression); go({ step: "add", effect: "" }); };
+  return (
+    <div class="proposed">
+      <p>{say("mayGoWith")}</p>
+      {laws.map((law) => (
+        <div class="suspect" key={law.expression}>
+          <p><Formula law={`k ${law.expression}`} /> {amount(law.rms_holdout, unit)}</p>
+          {law.late_signal ? <p><Told of={law} what="sentence" /></p>
+            : <button data-law={law.expression} onClick={() => write(law.expression)}>{say("writeAsEffect")}</button>}
+        </div>
+      ))}
+    </div>
   );
 }
 
