@@ -88,7 +88,7 @@ class Derivation {
   std::vector<Quantity> derived_;
 };
 
-/// Channels for all signals that the balance and its effects read, or that strokes are
+/// Channels for all signals that the balance, its effects and the gate read, or that strokes are
 /// told apart by, in the order of the machine file.
 void AddSignalChannels(const Machine& machine, const std::vector<Expression>& balance,
                        ModelStructure& model) {
@@ -101,6 +101,7 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
               CheckExpression(effect.terms[0].expression, ExpressionNamesOf(machine, effect)))
         all.merge(NamesIn(*checked->tree));
   for (const Condition& condition : ConditionsOf(machine)) all.insert(condition.signal);
+  for (const GateBound& bound : machine.gate.bounds) all.insert(bound.signal);
   all.insert(std::string(KindOf(machine).temperature));
   for (std::size_t s = 0; s < machine.signals.size(); ++s) {
     const std::string& name = machine.signals[s].name;
@@ -111,11 +112,20 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
   }
 }
 
-/// Channels of the signals that terms and effects read, and of their rates.
+/// Bounds of the gate on what is no part of the output: what moves while the machine works.
+std::vector<GateBound> MovingBounds(const Machine& machine, const Expression& output) {
+  std::vector<GateBound> bounds = machine.gate.bounds;
+  const std::set<std::string> own = NamesIn(*output);
+  std::erase_if(bounds, [&](const GateBound& bound) { return own.contains(bound.signal); });
+  return bounds;
+}
+
+/// Channels of the signals that terms, effects and gate read, and of their rates.
 std::vector<int> ChannelsRead(const Machine& machine, const std::vector<Expression>& terms,
-                              const ModelStructure& model) {
+                              const std::vector<GateBound>& gate, const ModelStructure& model) {
   std::set<std::string> read;
   for (const Expression& term : terms) read.merge(NamesIn(*term));
+  for (const GateBound& bound : gate) read.insert(bound.signal);
   for (const UserEffectSpec& effect : machine.user_effects)
     if (const auto checked =
             CheckExpression(effect.terms.at(0).expression, ExpressionNamesOf(machine, effect)))
@@ -208,9 +218,12 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
     auto effect = TRY(MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit}));
     effects.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
+  const std::vector<GateBound> gate = MovingBounds(machine, output.tree);
+  for (const GateBound& bound : gate)
+    if (bound.rate) channels.Windowed(ParseExpression(fmt::format("ddt({})", bound.signal)).value());
   const std::vector<int> late = SignalsWithoutRate(trees, *model);
   trees.pop_back();  // the output
-  model->generic_laws = GeneralLaws(*model, ChannelsRead(machine, trees, *model), late);
+  model->generic_laws = GeneralLaws(*model, ChannelsRead(machine, trees, gate, *model), late);
   model->derive_channels = channels.Derivation();
   ShowChannels(machine, *model);
   AddLibrary(std::move(effects), *model);

@@ -8,6 +8,7 @@
 #include "diagnosis/subset_search.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_output.h"
+#include "workbench/explain/own_machine_fixture.h"
 #include "workbench/fit_suspicion.h"
 
 namespace hydroscope {
@@ -80,6 +81,20 @@ TEST(OwnMachines, WhatALawThatTheFileLacksGoesWithIsSaid) {
   EXPECT_EQ(result->explanation.proposed.front().expression, "p*ddt(x)");
   EXPECT_LT(result->explanation.proposed.front().rms_holdout, 1.1 * result->explanation.final.noise_floor);
   EXPECT_THAT(ExplainText(*result), HasSubstr("terms = { k = \"p*ddt(x)\" }"));
+}
+
+/// A file without a single effect: what moves is what its gate looks at.
+TEST(OwnMachines, TheLawOfADrySealIsProposedToAFileWithoutEffects) {
+  Machine machine = LoadMachine(kSealMachine).value();
+  machine.user_effects.clear();
+  const Seal seal = {.friction = 3e-5, .pressures = {1, 2, 3.5, 5, 6}, .speeds = {0.008, 0.013, 0.02}};
+  auto strokes = ReadStrokes(Logs(seal), machine, KeepSamples::kYes);
+  ASSERT_TRUE(strokes) << strokes.error().text;
+  const auto result = ExplainStrokes(std::move(*strokes));
+  ASSERT_TRUE(result) << result.error().text;
+  EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown);
+  ASSERT_FALSE(result->explanation.proposed.empty());
+  EXPECT_EQ(result->explanation.proposed.front().expression, "p*sign(ddt(x))");
 }
 
 TEST(OwnMachines, ASignalThatComesLateIsTold) {
