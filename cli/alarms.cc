@@ -11,6 +11,7 @@
 #include "cli/command_answer.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
+#include "core/contains.h"
 #include "core/counted_words.h"
 #include "core/printable.h"
 #include "core/time_text.h"
@@ -62,7 +63,7 @@ struct Listed {
 Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto machines = TRY(journal.Machines());
   // A journal that nothing ever came into knows no machine, and none of them has an alarm.
-  if (!a.machine.empty() && !machines.empty() && std::ranges::find(machines, a.machine) == machines.end())
+  if (!a.machine.empty() && !machines.empty() && !Contains(machines, a.machine))
     return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(machines, ", "));
   std::vector<Listed> alarms;
   for (const std::string& machine : machines) {

@@ -2,9 +2,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/bode_plot.h"
 #include "cli/command_answer.h"
 #include "cli/commands.h"
-#include "cli/frequency_response/measured_bode.h"
 #include "host/output.h"
 #include "host/text_sink.h"
 #include "workbench/frequency_response/loop_output.h"

@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "cli/old_database.h"
 #include "cli/trend_output.h"
+#include "core/contains.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "storage/database.h"
@@ -41,7 +42,7 @@ Result<std::vector<std::string>> NamedOrAll(const TrendsArguments& a, const Data
     return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
                     a.db, a.db);
   if (!a.machine.empty()) {
-    if (std::ranges::find(names, a.machine) == names.end())
+    if (!Contains(names, a.machine))
       return BadInput("{} has no machine \"{}\"; it holds: {}{}", a.db, a.machine, Listed(names),
                       DidYouMean(a.machine, names));
     return std::vector<std::string>{a.machine};

@@ -2,9 +2,7 @@
 #include <cstdlib>
 
 #include "page/api_arguments.h"
-#include "page/watch/alarm_request.h"
-#include "page/watch/learn_request.h"
-#include "page/watch/trend_question.h"
+#include "page/watch/requests.h"
 #include "page/work/measured_effect.h"
 #include "page/work/own_effect.h"
 #include "page/work/region.h"

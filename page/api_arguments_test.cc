@@ -5,9 +5,7 @@
 
 #include <cmath>
 
-#include "page/watch/alarm_request.h"
-#include "page/watch/learn_request.h"
-#include "page/watch/trend_question.h"
+#include "page/watch/requests.h"
 
 namespace hydroscope {
 namespace {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/contains.h"
 #include "simulator/die_cushion/effects.h"
 #include "simulator/die_cushion/plant_laws.h"
 #include "studies/random_effect.h"
@@ -47,9 +48,8 @@ std::map<std::string, TrueRange> TrueRanges(const PressOptions& o) {
 }
 
 bool HasTrueName(const PlantCase& c, const std::vector<std::string>& group) {
-  return std::any_of(group.begin(), group.end(), [&](const std::string& id) {
-    return std::find(c.right.begin(), c.right.end(), id) != c.right.end();
-  });
+  return std::any_of(group.begin(), group.end(),
+                     [&](const std::string& id) { return Contains(c.right, id); });
 }
 
 /// Everything that was named: effects of all strokes, and of those that differ.

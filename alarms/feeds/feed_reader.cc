@@ -5,6 +5,7 @@
 
 #include "alarms/alarm_action.h"
 #include "alarms/press_health.h"
+#include "core/contains.h"
 
 namespace hydroscope {
 
@@ -87,7 +88,7 @@ Status FeedReader::ReadTrends(AxisPicture& axis) {
     database_ = TRY(Database::OpenReadOnly(database_path_));
   }
   const auto names = TRY(database_->MachineNames());
-  if (std::ranges::find(names, axis.machine) == names.end()) return {};
+  if (!Contains(names, axis.machine)) return {};
   const auto id = TRY(database_->MachineId(axis.machine));
   const auto end = TRY(database_->EndSequence(id));
   axis.strokes = end;

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command_answer.h"
-#include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
 #include "cli/study_command.h"

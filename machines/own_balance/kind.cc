@@ -3,13 +3,65 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <set>
 
-#include "machines/own_balance/draft.h"
 #include "models/expressions/balance.h"
+#include "models/machine_draft.h"
 
 namespace hydroscope {
 namespace {
+
+constexpr double kPieces = 20;                    ///< of a log that no condition cuts into strokes
+constexpr double kShortest = 0.5, kLongest = 10;  ///< s, of such a piece
+
+/// Strokes are what is left out and judged by; a log without conditions would be one.
+void CutIntoPieces(const LogSample& log, MachineDraft& draft) {
+  std::size_t rows = 0;
+  for (const auto& [name, signal] : log.signals) rows = std::max(rows, signal.value.size());
+  const double piece = std::clamp(static_cast<double>(rows) * log.period / kPieces, kShortest, kLongest);
+  draft.machine.gate.max_stroke = std::strtod(fmt::format("{:.2g}", piece).c_str(), nullptr);
+  draft.decided.push_back(Tell("without conditions in [gate] the log is cut into pieces of {:.2g} s",
+                               "ohne Bedingungen in [gate] wird der Log in Stücke von {:.2g} s geteilt",
+                               piece));
+}
+
+Told SuitsAny(const LogSample&) {
+  return {"no built-in machine has just these signals", "keine eingebaute Maschine hat gerade diese Signale"};
+}
+
+void CompleteOwn(const LogSample& log, const std::map<std::string, double>&, MachineDraft& draft) {
+  CutIntoPieces(log, draft);
+  const auto has = [&](const char* signal) { return log.signals.contains(signal); };
+  if (!has("F") || !has("p_A")) {
+    draft.open.emplace_back(
+        "[balance]: write which output equals which sum of terms, see docs/machine_file.md",
+        "[balance]: angeben, welcher Ausgang gleich welcher Summe von Termen ist");
+    draft.notes.tail = {
+        "<-- FILL IN the balance: the output and the terms that explain it, over the signals above; e.g.",
+        "[balance]", "output = \"F\"", "terms = { A = \"p\", c = \"1\" }"};
+    return;
+  }
+  BalanceSpec& balance = draft.machine.balance;
+  balance.output = "F";
+  balance.unit = "N";
+  balance.terms = {{"A", "p_A", "m2"}};
+  if (has("p_B")) balance.terms.push_back({"A_B", "-p_B", "m2"});
+  balance.terms.push_back({"c", "1", "N"});
+  draft.decided.emplace_back("balance: force = area * pressure + constant, because both are there",
+                             "Bilanz: Kraft = Fläche * Druck + Konstante, weil beide da sind");
+  if (!has("z")) return;
+  draft.machine.user_effects = {
+      {"coulomb_friction", "Friction of constant size against the motion", {{"F_c", "sign(ddt(z))", "N"}}},
+      {"viscous_friction", "Friction that grows with speed", {{"d", "ddt(z)", "N s/m"}}},
+      {"pressure_friction", "Friction that grows with pressure", {{"mu", "p_A*sign(ddt(z))", "m2"}}}};
+  draft.decided.emplace_back("effects to try: friction, because a position is there",
+                             "Effekte zum Probieren: Reibung, weil eine Position da ist");
+}
+
+/// Any log may be of a machine of the user's own; a balance of forces is proposed where there is a force.
+const DraftRules kOwnDraft = {SuitsAny, CompleteOwn};
 
 /// Signals that the terms of a balance read, in the order of the machine file.
 std::vector<std::string> SignalsOfTerms(const Machine& machine) {

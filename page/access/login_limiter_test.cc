@@ -1,6 +1,6 @@
-#include "page/access/login_limiter.h"
-
 #include <gtest/gtest.h>
+
+#include "page/access/logins.h"
 
 namespace hydroscope {
 namespace {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "page/first_run/log_picture.h"
@@ -139,8 +140,7 @@ DisplayUnit ShownOf(const MachineInput& input) {
 
 nlohmann::json KindsJson(const Machine& machine) {
   std::vector<const MachineKind*> kinds = KindsToChoose();
-  if (const MachineKind* own = &KindOf(machine); std::find(kinds.begin(), kinds.end(), own) == kinds.end())
-    kinds.push_back(own);
+  if (const MachineKind* own = &KindOf(machine); !Contains(kinds, own)) kinds.push_back(own);
   nlohmann::json out = nlohmann::json::array();
   for (const MachineKind* kind : kinds)
     out.push_back(

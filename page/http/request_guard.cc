@@ -3,8 +3,7 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "core/contains.h"
 #include "page/http/json_reply.h"
 
 namespace hydroscope {
@@ -27,7 +26,7 @@ bool RequestGuard::IsOwnHost(const std::string& host) const {
   if (names_port) name.resize(name.size() - end.size());
   if (!names_port && port != (tls ? 443 : 80)) return false;
   if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") return true;
-  return std::find(names.begin(), names.end(), name) != names.end() || (!at_home && IsAddress(name));
+  return Contains(names, name) || (!at_home && IsAddress(name));
 }
 
 std::optional<HttpReply> RequestGuard::Refuse(const HttpRequest& request) const {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "page/watch/learn_request.h"
+#include "page/watch/requests.h"
 #include "page/watch/watch_options.h"
 #include "page/work/job_queue.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "models/machine.h"
 #include "storage/database.h"
@@ -13,7 +14,7 @@ constexpr double kRowsAround = 0.5;  ///< s before and behind a stroke, in which
 
 Result<std::int64_t> MachineNamed(Database& database, const std::string& machine) {
   const auto names = TRY(database.MachineNames());
-  if (std::find(names.begin(), names.end(), machine) == names.end())
+  if (!Contains(names, machine))
     return BadInput(
         Tell("the database has no machine '{}'", "die Datenbank hat keine Maschine „{}“", machine));
   return database.MachineId(machine);

@@ -3,15 +3,123 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
-
-#include "simulator/own_states/excitation.h"
-#include "simulator/own_states/sensors.h"
+#include <vector>
 
 namespace hydroscope {
 namespace {
+
+/// A sensor with its converter.
+struct StateSensor {
+  double gain = 1, zero = 0;
+  double noise = 0;                                      ///< standard deviation, before the gain
+  double coloured = 0;                                   ///< share of the noise's energy that remembers ...
+  double memory = 0;                                     ///< ... this much of itself from row to row
+  double step = 0;                                       ///< of the converter, before the gain
+  double end = std::numeric_limits<double>::infinity();  ///< what is above is not shown
+
+  /// Standard deviation of noise and steps.
+  double Floor() const;
+};
+
+double StateSensor::Floor() const { return std::sqrt(noise * noise + step * step / 12); }
+
+/// Readings of a quantity; NaN where the sensor is at its end.
+std::vector<double> Sensed(const std::vector<double>& values, const StateSensor& sensor, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double slow = sensor.noise * std::sqrt(sensor.coloured),
+               fast = sensor.noise * std::sqrt(1 - sensor.coloured),
+               fresh = std::sqrt(1 - sensor.memory * sensor.memory);
+  double remembered = normal(random);
+  std::vector<double> out;
+  for (const double value : values) {
+    remembered = sensor.memory * remembered + fresh * normal(random);
+    double reading = value + slow * remembered + fast * normal(random);
+    if (reading >= sensor.end) {
+      out.push_back(std::nan(""));
+      continue;
+    }
+    if (sensor.step > 0) reading = sensor.step * std::round(reading / sensor.step);
+    out.push_back(sensor.gain * reading + sensor.zero);
+  }
+  return out;
+}
+
+/// What is put on a machine's input to identify it.
+enum class Excitation {
+  kMultisine,      ///< many sines of random phase
+  kFilteredNoise,  ///< white noise through a low pass of order 2
+  kGrowing,        ///< the same, its amplitude growing from a tenth to all and again
+  kSteps,          ///< levels held over random times
+};
+
+std::vector<double> Multisine(int rows, double highest, std::mt19937_64& random) {
+  constexpr int kSines = 120;
+  std::uniform_real_distribution<double> frequency(0.001, highest), phase(0, 2 * std::numbers::pi);
+  std::vector<double> out(static_cast<std::size_t>(rows), 0.0);
+  for (int k = 0; k < kSines; ++k) {
+    const double w = 2 * std::numbers::pi * frequency(random), begin = phase(random);
+    for (std::size_t row = 0; row < out.size(); ++row)
+      out[row] += std::sqrt(2.0 / kSines) * std::sin(w * static_cast<double>(row) + begin);
+  }
+  return out;
+}
+
+/// Two lags in a row, brought back to unit rms.
+std::vector<double> FilteredNoise(int rows, double highest, std::mt19937_64& random) {
+  const double a = std::exp(-2 * std::numbers::pi * highest);
+  // Energy of the impulse response n -> (n + 1) a^n: (1 + a^2) / (1 - a^2)^3.
+  const double gain = std::sqrt(std::pow(1 - a * a, 3) / (1 + a * a));
+  std::normal_distribution<double> normal;
+  std::vector<double> out;
+  double first = 0, second = 0;
+  for (int row = 0; row < rows; ++row) {
+    first = a * first + normal(random);
+    second = a * second + first;
+    out.push_back(gain * second);
+  }
+  return out;
+}
+
+std::vector<double> Steps(int rows, double highest, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> level(-1.7, 1.7), share(0.5, 1.5);
+  std::vector<double> out;
+  int left = 0;
+  for (int row = 0; row < rows; ++row) {
+    if (left-- <= 0) {
+      out.push_back(level(random));
+      left = static_cast<int>(share(random) / highest);
+    } else {
+      out.push_back(out.back());
+    }
+  }
+  return out;
+}
+
+/// About zero, its rms about 1, with little above `highest` (cycles per row). A longer one of the same seed begins
+/// with the shorter.
+std::vector<double> ExcitationOf(Excitation kind, int rows, double highest, std::uint64_t seed) {
+  constexpr int kGrowth = 1500;  // rows
+  std::mt19937_64 random(seed);
+  switch (kind) {
+    case Excitation::kMultisine:
+      return Multisine(rows, highest, random);
+    case Excitation::kSteps:
+      return Steps(rows, highest, random);
+    case Excitation::kFilteredNoise:
+    case Excitation::kGrowing:
+      break;
+  }
+  std::vector<double> out = FilteredNoise(rows, highest, random);
+  for (std::size_t row = 0; kind == Excitation::kGrowing && row < out.size(); ++row)
+    out[row] *= 0.1 + 1.5 * static_cast<double>(row % kGrowth) / kGrowth;
+  return out;
+}
 
 using State = std::array<double, 4>;
 

@@ -4,18 +4,95 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
+#include <cstdint>
 #include <iterator>
+#include <vector>
 
 #include "core/constants.h"
 #include "simulator/delay_line.h"
 #include "simulator/random.h"
 #include "simulator/ranges.h"
-#include "simulator/test_cylinder/coloured_noise.h"
 #include "simulator/test_cylinder/plant.h"
 
 namespace hydroscope {
 namespace {
+
+/// Second-order section of a digital filter, y = b0 u + b1 u_1 + b2 u_2 - a1 y_1 - a2 y_2.
+class FilterSection {
+ public:
+  FilterSection(std::array<double, 3> b, std::array<double, 2> a) : b_(b), a_(a) {}
+  double operator()(double u) {
+    const double y = b_[0] * u + b_[1] * u_[0] + b_[2] * u_[1] - a_[0] * y_[0] - a_[1] * y_[1];
+    u_ = {u, u_[0]};
+    y_ = {y, y_[0]};
+    return y;
+  }
+
+ private:
+  std::array<double, 3> b_;
+  std::array<double, 2> a_;
+  std::array<double, 2> u_{}, y_{};
+};
+
+/// White noise through sections one after the other.
+class ColouredNoise {
+ public:
+  /// First-order low pass.
+  static ColouredNoise LowPass(double corner_hz, double sample_period, std::uint64_t seed);
+  /// Butterworth band pass of order 6, three sections (bilinear transform of low pass to band pass).
+  static ColouredNoise BandPass(double low_hz, double high_hz, double sample_period, std::uint64_t seed);
+
+  double Next();
+
+ private:
+  ColouredNoise(std::vector<FilterSection> sections, std::uint64_t seed)
+      : sections_(std::move(sections)), random_(seed) {}
+
+  std::vector<FilterSection> sections_;
+  RandomStream random_;
+};
+
+using Pole = std::complex<double>;
+
+/// Frequency of the analogue prototype that the bilinear transform puts at `hz`, rad per half sample.
+double Warped(double hz, double sample_period) { return std::tan(kTwoPi / 2 * hz * sample_period); }
+
+Pole Bilinear(Pole s) { return (1.0 + s) / (1.0 - s); }
+
+ColouredNoise ColouredNoise::LowPass(double corner_hz, double sample_period, std::uint64_t seed) {
+  const double pole = std::exp(-kTwoPi * corner_hz * sample_period);
+  return {{FilterSection({1 - pole, 0, 0}, {-pole, 0})}, seed};
+}
+
+ColouredNoise ColouredNoise::BandPass(double low_hz, double high_hz, double sample_period,
+                                      std::uint64_t seed) {
+  const double low = Warped(low_hz, sample_period), high = Warped(high_hz, sample_period);
+  const double width = high - low, centre = low * high;
+  std::vector<FilterSection> sections;
+  for (int k = 0; k < 2; ++k) {  // poles of order 3 with imaginary part >= 0; each gives two of the band pass
+    const Pole prototype = std::polar(1.0, kTwoPi * (2.0 * k + 4) / 12) * width / 2.0;
+    const Pole root = std::sqrt(prototype * prototype - centre);
+    for (const Pole analogue : {prototype + root, prototype - root}) {
+      if (k == 1 && analogue.imag() < 0) continue;  // the real pole's pair is conjugate
+      const Pole z = Bilinear(analogue);
+      // Zeros at 0 and half the sampling rate; gain 1 in the middle of the band.
+      const Pole middle = Bilinear(Pole(0, std::sqrt(centre)));
+      const double gain = std::abs((1.0 - z / middle) * (1.0 - std::conj(z) / middle)) /
+                          std::abs(1.0 - 1.0 / (middle * middle));
+      sections.emplace_back(std::array{gain, 0.0, -gain}, std::array{-2 * z.real(), std::norm(z)});
+    }
+  }
+  return {std::move(sections), seed};
+}
+
+double ColouredNoise::Next() {
+  double value = random_.Normal();
+  for (FilterSection& section : sections_) value = section(value);
+  return value;
+}
 
 constexpr double kLowCorner = 10, kBandLow = 150, kBandHigh = 450;  // Hz, the paper's sec. 3.2.1
 constexpr double kSettled = 2;   // s of the loop before the log begins, and before amplitudes are measured

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "studies/manipulator/effects.h"
 #include "studies/manipulator/identification.h"
-#include "studies/manipulator/tracking.h"
-#include "studies/manipulator/trajectory.h"
 
 namespace hydroscope {
 

@@ -17,4 +17,17 @@ struct ManipulatorBenchmarkOptions {
 /// figures, and, where asked for, how often hidden effects are named. 0 if all goals are reached, else 1.
 int RunManipulatorBenchmark(const ManipulatorBenchmarkOptions& options);
 
+/// Prints how well the tip follows the paper's path with the datasheet's model, with what was identified, and with one group
+/// of parameters from the datasheet, for several sizes of Coulomb friction, beside the published figures. False if the rms
+/// error is not halved with the friction of the documents' machine.
+bool PrintTracking(const ManipulatorBenchmarkOptions& options);
+
+/// Prints the condition number and the mean width of the rigid bodies' intervals of records along drawn series and along the
+/// designed one of the same ranges. False if the designed one is no better than their mean.
+bool PrintTrajectories(const ManipulatorBenchmarkOptions& options);
+
+/// Explains simulated logs with a hidden effect or none, against base parameters identified on a log before it. Prints one line
+/// each and the sums. False if less than 95 % are named first or more than 1 % of the sets are wrong.
+bool PrintManipulatorEffects(const ManipulatorBenchmarkOptions& options);
+
 }  // namespace hydroscope

@@ -1,5 +1,3 @@
-#include "studies/manipulator/effects.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include "diagnosis/states/explain_states.h"
 #include "estimation/linear_form/starts.h"
 #include "studies/effect_tally.h"
+#include "studies/manipulator/benchmark.h"
 #include "studies/manipulator/identification.h"
 #include "studies/parallel.h"
 

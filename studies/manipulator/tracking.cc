@@ -1,7 +1,6 @@
-#include "studies/manipulator/tracking.h"
-
 #include <fmt/format.h>
 
+#include "studies/manipulator/benchmark.h"
 #include "studies/manipulator/identification.h"
 
 namespace hydroscope {

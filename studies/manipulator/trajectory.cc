@@ -1,10 +1,10 @@
-#include "studies/manipulator/trajectory.h"
+#include "estimation/linear_form/trajectory.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "estimation/linear_form/trajectory.h"
+#include "studies/manipulator/benchmark.h"
 #include "studies/manipulator/identification.h"
 
 namespace hydroscope {

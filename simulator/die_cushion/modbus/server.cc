@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/contains.h"
 #include "simulator/random.h"
 
 namespace hydroscope {
@@ -34,7 +35,7 @@ struct FreeMapping {
 
 bool IsServed(std::uint8_t function) {
   constexpr std::array<std::uint8_t, 8> kServed = {1, 3, 5, 6, 15, 16, 22, 23};
-  return std::find(kServed.begin(), kServed.end(), function) != kServed.end();
+  return Contains(kServed, function);
 }
 
 /// Waits without a clock of our own.
