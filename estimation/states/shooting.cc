@@ -3,6 +3,8 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
+#include <optional>
+
 namespace hydroscope::shooting {
 
 std::vector<int> FreeStates(const StateModel& model, const Segment& segment) {
@@ -44,30 +46,46 @@ class SegmentCost : public ceres::CostFunction {
     RowMatrix by_parameter = RowMatrix::Zero(states, model.parameter_count());
     const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
     const bool want = jacobians != nullptr;
-    if (want) {
-      start_slopes_ = RowMatrix::Zero(states, parameters + static_cast<int>(free_.size()));
-      start_slopes_.leftCols(by_parameter.cols()) = by_parameter;
-      for (std::size_t k = 0; k < free_.size(); ++k)
-        start_slopes_(free_[k], parameters + static_cast<int>(k)) = task_.state_scale[free_[k]];
-    }
     if (task_.GivenUp()) return false;
-    task_.Run(episode, segment_, x0, want ? &start_slopes_ : nullptr, simulator_, run_);
-    if (run_.diverged) return false;
-    Fill(episode, residuals);
+    // The line search looks at a step with slopes, and so does the fit once it is taken.
+    if (!want) {
+      task_.Run(episode, segment_, x0, nullptr, simulator_, plain_);
+    } else if (!IsKnown(q, z)) {
+      SlopesAtStart(by_parameter);
+      task_.Run(episode, segment_, x0, &start_slopes_, simulator_, run_);
+    }
+    const StateRun& run = want ? run_ : plain_;
+    if (run.diverged) return false;
+    Fill(episode, run, residuals);
     const double* next = segment_.joined ? blocks[block] : nullptr;
     double* joint = residuals + rows_ * outputs_;
     for (int i = 0; next != nullptr && i < states; ++i)
-      joint[i] = (next[i] - run_.end[i] / task_.state_scale[i]) / task_.joint;
+      joint[i] = (next[i] - run.end[i] / task_.state_scale[i]) / task_.joint;
     if (want) FillJacobians(episode, q, jacobians);
     return true;
   }
 
  private:
-  void Fill(const Episode& episode, double* residuals) const {
+  /// Whether the last run with slopes was of this point; from then on it is.
+  bool IsKnown(const double* q, const double* z) const {
+    std::vector<double> point(q, q + task_.scale.size());
+    if (z != nullptr) point.insert(point.end(), z, z + free_.size());
+    if (point == known_) return true;
+    known_ = std::move(point);
+    return false;
+  }
+  void SlopesAtStart(const RowMatrix& by_parameter) const {
+    const auto parameters = static_cast<int>(task_.scale.size());
+    start_slopes_ = RowMatrix::Zero(task_.model->states(), parameters + static_cast<int>(free_.size()));
+    start_slopes_.leftCols(by_parameter.cols()) = by_parameter;
+    for (std::size_t k = 0; k < free_.size(); ++k)
+      start_slopes_(free_[k], parameters + static_cast<int>(k)) = task_.state_scale[free_[k]];
+  }
+  void Fill(const Episode& episode, const StateRun& run, double* residuals) const {
     for (int row = 0; row < rows_; ++row)
       for (int j = 0; j < outputs_; ++j) {
         const double measured = episode.signal(segment_.first + row, task_.model->outputs[j]);
-        const double error = run_.outputs(row, j) - measured;
+        const double error = run.outputs(row, j) - measured;
         residuals[row * outputs_ + j] = std::isfinite(error) ? error / task_.noise[j] : 0.0;
       }
   }
@@ -114,8 +132,9 @@ class SegmentCost : public ceres::CostFunction {
   std::vector<int> free_;
   int rows_ = 0, outputs_ = 0;
   mutable StateSimulator simulator_;
-  mutable StateRun run_;
+  mutable StateRun run_, plain_;  ///< with slopes, and without
   mutable RowMatrix start_slopes_;
+  mutable std::optional<std::vector<double>> known_;  ///< parameters and free initial states of run_
 };
 
 /// What the machine file, the data and limits say of the states at a row; `run`: a run there, nullptr if it diverged.
