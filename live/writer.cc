@@ -133,14 +133,18 @@ void LiveWriter::Trim() {
 }
 
 void LiveWriter::Run() {
-  static_cast<void>(database_->LeaveCheckpointsToPauses());  // if that fails the first step fails as well
+  // If that fails the first step fails as well.
+  static_cast<void>(database_->LeaveCheckpointsToPauses());
+  static_cast<void>(database_->KeepPagesOf(axes_.size()));
   FetchMemory(BurstMemory(axes_.size()));
   DiskHasRoom();  // known before anything is to be written
   std::unique_lock lock(mutex_);
+  to_fetch_ = axes_.size();
   while (WaitForWork(lock)) {
     lock.unlock();
     const Status file = LookAtFile();
     Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
+    if (done && !HasCurrent()) FetchPages();
     if (done && !HasCurrent()) done = Checkpoint();
     lock.lock();
     if (!done && IsDamage(done.error(), path_)) damage_ = ToldOf(done.error());
@@ -167,6 +171,7 @@ Status LiveWriter::Checkpoint() {
       std::lock_guard locked(mutex_);
       written_ = LastWritten(path_);
       checkpointing_ = false;
+      to_fetch_ = axes_.size();
       const bool again = !done && MayPass(done.error());
       checkpointed_ = again || (!done && IsDamage(done.error(), path_)) ? done : Status{};
       if (again) not_checkpointed_ = kStepsWithoutStroke;
@@ -174,6 +179,17 @@ Status LiveWriter::Checkpoint() {
     changed_.notify_all();
   });
   return checkpointed_;
+}
+
+/// Of one axis, so that a stroke that comes meanwhile hardly waits. What is wrong with the file the next step tells.
+void LiveWriter::FetchPages() {
+  std::size_t axis = 0;
+  {
+    std::lock_guard lock(mutex_);
+    if (to_fetch_ == 0) return;
+    axis = --to_fetch_;
+  }
+  static_cast<void>(database_->FetchPages(axes_[axis].run));
 }
 
 bool LiveWriter::CheckpointIsDue() const {
@@ -186,7 +202,8 @@ bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
   const auto wanted = [this] {
     return stopping_ || HasCurrent() || !items_.empty() || !valve_checks_.empty();
   };
-  if (!changed_.wait_for(lock, CheckpointIsDue() ? kPause : kLook, wanted)) return true;
+  changed_.wait_for(lock, CheckpointIsDue() ? kPause : kLook, [&] { return wanted() || to_fetch_ > 0; });
+  if (!wanted()) return true;
   if (give_up_) return false;
   if (HasCurrent()) return true;
   if (!valve_checks_.empty()) {
@@ -368,6 +385,7 @@ Status LiveWriter::BeginAnew(const Told& why, bool damaged) {
 /// ones follow as soon as the pipelines begin theirs (TakeBroken).
 Status LiveWriter::BeginRuns() {
   TRY(database_->LeaveCheckpointsToPauses());
+  TRY(database_->KeepPagesOf(axes_.size()));
   for (Axis& axis : axes_) {
     axis.machine = TRY(database_->MachineId(axis.name));
     TRY(BeginRun(axis, kBegunAnew));

@@ -96,6 +96,7 @@ class LiveWriter {
   void LookForDamage();
   bool CheckpointIsDue() const;
   Status Checkpoint();
+  void FetchPages();
   void Settle(const Status& done);
   bool HasCurrent() const { return !current_.empty() || current_check_.has_value(); }
   void Trim();
@@ -122,6 +123,7 @@ class LiveWriter {
   std::size_t singly_ = 0;          ///< items to be taken one by one, because one of them was refused
   std::atomic<std::size_t> not_checkpointed_ = 0;  ///< transactions
   bool stroke_stored_ = false;                     ///< by the last one
+  std::size_t to_fetch_ = 0;                       ///< axes into whose pages the next strokes have to be read
   std::optional<std::pair<int, ValveCheckRecord>> current_check_;
   WriterStatus status_;
   std::vector<double> latencies_, commits_;

@@ -99,5 +99,26 @@ TEST_F(AxisLookTest, OtherRulesThanItWasJudgedByAreAnError) {
   EXPECT_THAT(looked.error().text, HasSubstr("--machine"));
 }
 
+TEST_F(AxisLookTest, WhileNothingChangesTheJournalIsNotReadAgain) {
+  Store(0, Healthy());
+  Judge();
+  auto database = Database::Open(DatabasePath()).value();
+  auto journal = AlarmJournal::Open(AlarmJournal::PathFor(DatabasePath())).value();
+  const drift::RuleBook rules = Rules();
+  Machine left = machine_;
+  left.name = "press/left";
+  AxisMonitor axis(left, BuildModel(left).value(), rules, database, DatabasePath(), ids_[0], journal);
+  EXPECT_OK(axis.CatchUp(1001));
+  const std::int64_t before = journal.PagesAsked();
+  for (int round = 0; round < 10; ++round) EXPECT_OK(axis.CatchUp(1002));
+  EXPECT_LE(journal.PagesAsked() - before, 10) << "no more than whether somebody wrote";
+  const auto other = Open();
+  AlarmCondition condition;
+  condition.severity = AlarmSeverity::kWarning;
+  EXPECT_OK(other->axis(0).Observe("somebody_elses", {1, 1, 0, false}, condition, 1003));
+  EXPECT_OK(axis.CatchUp(1004));
+  EXPECT_THAT(Standing(axis), testing::ElementsAre(HasSubstr("somebody_elses")));
+}
+
 }  // namespace
 }  // namespace hydroscope

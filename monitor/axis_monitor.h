@@ -136,6 +136,7 @@ class AxisMonitor {
   std::int64_t checks_ = 0;                         ///< valve checks judged
   std::int64_t next_ = 0;                           ///< first stroke not judged yet
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
+  AlarmJournal::Version seen_;                      ///< of the journal when it was read last
   bool unreadable_ = false;                         ///< that state could not be read
   AlarmMoment last_;                                ///< of the last stroke judged
   std::int64_t waiting_ = 0;  ///< stored strokes that nobody had judged when Look() looked

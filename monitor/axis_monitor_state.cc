@@ -14,11 +14,15 @@ constexpr std::int64_t kStrokesJudgedAgain = 2000;
 
 }  // namespace
 
-/// Takes over what another process, or this one before a restart, left in the journal.
+/// Takes over what another process, or this one before a restart, left in the journal. What is known of the healthy machine is
+/// read only after a change.
 Status AxisMonitor::Refresh() {
+  const auto version = TRY(journal_.CurrentVersion());
+  if (saved_ && version == seen_) return {};
   const auto content = TRY(journal_.Axis(machine_.name));
   alarms_ = content.alarms;
   if (!saved_ || *saved_ != content.monitor.state || next_ != content.monitor.next_stroke) Restore(content);
+  seen_ = version;
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "storage/alarm_journal.h"
 
 #include <fmt/ranges.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <array>
@@ -336,6 +337,16 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
     return {};
   });
 }
+
+Result<AlarmJournal::Version> AlarmJournal::CurrentVersion() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<Version> {
+    Query others(*impl_, "PRAGMA data_version");  // of commits by other connections
+    others.Step();
+    return Version{others.Int(0), sqlite3_total_changes(impl_->db.getHandle())};
+  });
+}
+
+std::int64_t AlarmJournal::PagesAsked() const { return impl_->PagesFound() + impl_->PagesRead(); }
 
 Result<std::vector<std::string>> AlarmJournal::Machines() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {

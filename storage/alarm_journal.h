@@ -71,6 +71,14 @@ class AlarmJournal {
   /// interleaves; if `change` fails nothing is stored. `wall`: s since 1970, written with the rows.
   Status Change(const std::string& machine, double wall, const std::function<Status(AxisContent&)>& change);
 
+  /// Differs as soon as anything was changed, through this object or by anybody else: much cheaper than to read what there is.
+  struct Version {
+    std::int64_t others = -1, own = -1;
+    bool operator==(const Version&) const = default;
+  };
+  Result<Version> CurrentVersion() const;
+  /// Pages of the file looked at so far, in memory or not.
+  std::int64_t PagesAsked() const;
   Result<std::vector<std::string>> Machines() const;
   Result<AxisContent> Axis(const std::string& machine) const;
   /// Rows with sequence > `after`, at most `limit` (0 = all), in order; "" = all machines.

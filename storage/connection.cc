@@ -22,6 +22,12 @@ bool DiskFull(const SQLite::Database* db, int code) {
   return system_error == ENOSPC || system_error == EDQUOT;
 }
 
+std::int64_t Counted(const SQLite::Database& db, int what) {
+  int count = 0, highest = 0;
+  sqlite3_db_status(db.getHandle(), what, &count, &highest, 0);
+  return count;
+}
+
 }  // namespace
 
 SQLite::Statement& Connection::Prepared(const char* sql) {
@@ -65,6 +71,9 @@ int Connection::ColumnCount(std::int64_t machine, int version) {
               version);
   return query.Step() && !query.IsNull(0) ? static_cast<int>(query.Int(0)) : 0;
 }
+
+std::int64_t Connection::PagesFound() const { return Counted(db, SQLITE_DBSTATUS_CACHE_HIT); }
+std::int64_t Connection::PagesRead() const { return Counted(db, SQLITE_DBSTATUS_CACHE_MISS); }
 
 std::string PathBeside(const std::string& database, const std::string& what) {
   const std::filesystem::path path(database);

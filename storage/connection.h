@@ -67,6 +67,9 @@ class Connection {
   /// Names of the Gram columns of a model version, in order.
   std::vector<std::string> Columns(std::int64_t machine, int version);
   int ColumnCount(std::int64_t machine, int version);
+  /// Pages that SQLite looked at since the file was opened: those in its own memory, and those read into it.
+  std::int64_t PagesFound() const;
+  std::int64_t PagesRead() const;
 
   std::string path;
   SQLite::Database db;

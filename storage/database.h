@@ -201,6 +201,14 @@ class Database {
   /// the disk. It happens by itself when the log is long; asked for in a pause, it keeps nobody waiting, nor does
   /// the transaction that follows.
   Status Checkpoint();
+  /// For who stores strokes of so many machines again and again: SQLite's memory, 2 MB by itself, holds the pages they go into,
+  /// up to 1 MB for each, however long their histories are; else each stroke reads them anew, and writes them twice.
+  Status KeepPagesOf(std::size_t machines);
+  /// Reads the pages into which the next stroke of a run goes. Whatever another connection writes, a checkpoint too, makes
+  /// SQLite forget all it keeps; what is fetched in a pause the next stroke does not wait for.
+  Status FetchPages(std::int64_t run);
+  /// Pages read from the file into SQLite's memory so far.
+  std::int64_t PagesRead() const;
   /// From now on Checkpoint is called in pauses: by itself it happens only beyond 64 MB, should they not come.
   Status LeaveCheckpointsToPauses();
   /// The machine's newest run; nullopt if it has none.

@@ -6,7 +6,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kLongestLog = 64 << 20;  ///< bytes
+constexpr int kLongestLog = 64 << 20;                           ///< bytes
+constexpr std::size_t kMemory = 2048, kMemoryOfMachine = 1024;  ///< KiB, of SQLite for pages
 
 void UpdateProgress(Connection& connection, std::int64_t run, const PackedBatch& batch) {
   Query(connection,
@@ -47,6 +48,32 @@ Status Database::Checkpoint() {
     return {};
   });
 }
+
+Status Database::KeepPagesOf(std::size_t machines) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    impl_->db.exec(fmt::format("PRAGMA cache_size = -{}", kMemory + kMemoryOfMachine * machines));
+    return {};
+  });
+}
+
+Status Database::FetchPages(std::int64_t run) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction one_snapshot(impl_->db);
+    const auto row = TRY(impl_->FindRun(run));
+    for (const char* newest :
+         {"SELECT max(stroke) FROM stroke WHERE run = ?", "SELECT max(stroke) FROM gram WHERE run = ?",
+          "SELECT max(first_s) FROM raw_chunk WHERE run = ?"})
+      Query(*impl_, newest, run).Step();
+    Query parameters(*impl_, "SELECT id FROM parameter WHERE machine = ?", row.machine);
+    while (parameters.Step())
+      Query(*impl_, "SELECT max(stroke) FROM estimate WHERE parameter = ? AND run = ?", parameters.Int(0),
+            run)
+          .Step();
+    return {};
+  });
+}
+
+std::int64_t Database::PagesRead() const { return impl_->PagesRead(); }
 
 Status Database::LeaveCheckpointsToPauses() {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {

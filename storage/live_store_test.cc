@@ -59,6 +59,67 @@ TEST(LiveStore, RowsFlagsStrokesAndStateComeBack) {
   EXPECT_EQ(newest->sender_marks.back(), 1600 % 256);
 }
 
+/// Machines with a history whose newest strokes are stored together, as those of a press are.
+struct Presses {
+  static constexpr int kMachines = 40;
+  Presses(const std::string& path, std::int64_t history) : database(Value(Database::Open(path))) {
+    for (int m = 0; m < kMachines; ++m) {
+      const auto machine = Value(database.MachineId("axis " + std::to_string(m)));
+      const auto version = Value(database.PutModelVersion(machine, {0, "", ColumnNames(1)}));
+      if (history > 0) {
+        const auto past = Value(database.BeginRun(machine, version, "past", "past"));
+        EXPECT_OK(database.StoreStrokes(past.id, MakeStrokes(0, history, 1)));
+        EXPECT_OK(database.FinishRun(past.id, "", {}));
+      }
+      runs.push_back(Value(database.BeginRun(machine, version, "live", "live")).id);
+    }
+    for (; next < 3; ++next) StoreNext();  // strokes of the run's own
+  }
+  void StoreNext() {
+    std::vector<PackedBatch> batches;
+    ColumnPacker packer;
+    for (int m = 0; m < kMachines; ++m) {
+      LiveBatch batch = Batch(next * 10, next * 10 + 10);
+      batch.strokes = MakeStrokes(next, next + 1, 1);
+      batches.push_back(Pack(std::move(batch), packer));
+    }
+    std::vector<LiveStep> steps;
+    for (int m = 0; m < kMachines; ++m) steps.push_back({runs[m], &batches[m]});
+    EXPECT_OK(database.StoreLive(steps, kSignals, {}));
+  }
+  /// Pages read from the file for the next stroke of each machine.
+  std::int64_t PagesOfNext() {
+    const std::int64_t before = database.PagesRead();
+    StoreNext();
+    ++next;
+    return database.PagesRead() - before;
+  }
+
+  Database database;
+  std::vector<std::int64_t> runs;
+  std::int64_t next = 0;
+};
+
+TEST(LiveStore, StrokesReadNoPagesHoweverLongTheHistory) {
+  const Folder folder;
+  Presses presses(folder.File(), 400);
+  EXPECT_OK(presses.database.KeepPagesOf(Presses::kMachines));
+  presses.PagesOfNext();
+  EXPECT_EQ(presses.PagesOfNext(), 0);
+}
+
+TEST(LiveStore, PagesFetchedInAPauseAreNotReadByStrokes) {
+  const Folder folder;
+  Presses presses(folder.File(), 400);
+  EXPECT_OK(presses.database.KeepPagesOf(Presses::kMachines));
+  const auto checkpoint = [&] { EXPECT_OK(Value(Database::Open(folder.File())).Checkpoint()); };
+  checkpoint();  // by another connection, as the service does
+  EXPECT_GT(presses.PagesOfNext(), 4 * Presses::kMachines) << "all is forgotten";
+  checkpoint();
+  for (const std::int64_t run : presses.runs) EXPECT_OK(presses.database.FetchPages(run));
+  EXPECT_LT(presses.PagesOfNext(), Presses::kMachines) << "roots and what all machines share";
+}
+
 TEST(LiveStore, CheckpointsLeftToPausesHappenInThem) {
   const Folder folder;
   Press press(folder.File(), kColumns);

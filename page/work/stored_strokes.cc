@@ -1,10 +1,13 @@
 #include "page/work/stored_strokes.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "core/contains.h"
 #include "core/told_error.h"
 #include "models/machine.h"
+#include "pipeline/axis_log.h"
+#include "pipeline/log_fingerprint.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -42,6 +45,30 @@ Result<KeptStrokes::Piece> KeptOfRun(const Database& database, std::int64_t id, 
   return piece;
 }
 
+/// The log that a run was replayed from, where it was then or beside the database; "" if it is not there any more, or is another.
+std::string LogOfRun(const std::string& database, const RunInfo& run) {
+  RunFingerprint fingerprint;
+  if (!RunFingerprint::Parse(run.fingerprint, fingerprint)) return "";  // a run of a service
+  const std::filesystem::path folder = std::filesystem::path(database).parent_path();
+  const std::string beside = (folder / std::filesystem::path(PathOfLog(run.source)).filename()).string() +
+                             run.source.substr(PathOfLog(run.source).size());
+  for (const std::string& log : {run.source, beside}) {
+    const auto found = FingerprintLog(PathOfLog(log));
+    if (found && *found == fingerprint.log) return log;
+  }
+  return "";
+}
+
+/// All strokes of a run some of which are asked for, with the log they come from; nullopt where that is gone.
+std::optional<KeptStrokes::Piece> ReplayedRun(const std::string& database, const StrokeStretch& stretch,
+                                              const RunInfo& run) {
+  const std::int64_t last = run.first_sequence + run.strokes - 1;
+  if (last < stretch.first || run.first_sequence > stretch.last) return std::nullopt;
+  std::string log = LogOfRun(database, run);
+  if (log.empty()) return std::nullopt;
+  return KeptStrokes::Piece{run.first_sequence, last, std::move(log)};
+}
+
 }  // namespace
 
 Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch& asked) {
@@ -59,7 +86,10 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
   for (const RunInfo& run : *runs) {
     const auto extent =
         std::find_if(extents->begin(), extents->end(), [&](const RawExtent& e) { return e.run == run.id; });
-    if (extent == extents->end()) continue;
+    if (extent == extents->end()) {
+      if (auto piece = ReplayedRun(path, stretch, run)) kept.pieces.push_back(std::move(*piece));
+      continue;
+    }
     auto piece = TRY(KeptOfRun(database, id, stretch, run, *extent));
     if (piece.last < piece.first) continue;
     piece.log = path + "#" + asked.machine + piece.log;
@@ -68,9 +98,10 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
   if (kept.pieces.empty())
     return BadInput(Tell(
         "the raw signals of strokes {} to {} are not kept: a service keeps those of the last days (--raw-days, "
-        "--raw-gb), a replay none",
+        "--raw-gb); a replayed log is read again where it still lies unchanged, in its place or beside the database",
         "die Rohsignale der Hübe {} bis {} sind nicht aufbewahrt: ein Dienst behält die der letzten Tage "
-        "(--raw-days, --raw-gb), eine Wiedergabe keine",
+        "(--raw-days, --raw-gb); ein eingespieltes Log wird wieder gelesen, wo es unverändert noch liegt, an seinem Ort "
+        "oder neben der Datenbank",
         asked.first, asked.last));
   const auto promoted = TRY(database.PromotedModel(id));
   const auto model = TRY(promoted ? Result<ModelVersion>(*promoted)

@@ -15,12 +15,12 @@ struct KeptStrokes {
 
   struct Piece {
     std::int64_t first = 0, last = 0;
-    std::string log;  ///< piece of the raw window (ParseRawName)
+    std::string log;  ///< piece of the raw window (ParseRawName), or the whole log that was replayed
   };
   std::vector<Piece> pieces;  ///< one of each run
   std::string definition;     ///< machine file with the model in force
 };
-/// Errors: no such machine or strokes, the database cannot be read, or no raw rows of them are kept.
+/// Errors: no such machine or strokes, the database cannot be read, or neither raw rows of them nor the log they came from are there.
 Result<KeptStrokes> FindKeptStrokes(const std::string& database, const StrokeStretch& stretch);
 
 /// Promotes a machine file for a machine of the database at `path`. Errors: no such machine, or as of Promote.

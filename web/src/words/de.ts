@@ -58,7 +58,7 @@ export const de: Words = {
   mapSensors: "Sensoren",
   mapUnit: "Einheit",
   mapNone: "– keine –",
-  mapOptional: "freiwillig",
+  mapOptional: "kann fehlen",
   mapSure: "sicher",
   mapCheck: "bitte prüfen",
   mapMissing: "fehlt",
