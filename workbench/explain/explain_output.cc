@@ -24,6 +24,7 @@
 #include "workbench/explain/located_output.h"
 #include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
+#include "workbench/explain/untested_text.h"
 #include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
@@ -310,12 +311,12 @@ std::string RuledOutText(const Explanation& x) {
 }
 
 std::string UntestableText(const ExplainResult& result) {
-  std::string text;
+  std::vector<std::pair<std::string, std::string>> why_not;
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable) text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not.english);
+    if (!ranked.testable) why_not.emplace_back(ranked.id, ranked.why_not.english);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
-    text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
-  return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
+    why_not.emplace_back(unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
+  return UntestedText(why_not, CountedWordsOf(result.log.machine).many);
 }
 
 /// An effect of the model that was added wrongly, and what does better.

@@ -19,6 +19,7 @@
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
 #include "workbench/explain/located_output.h"
+#include "workbench/explain/untested_text.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 #include "workbench/states/experiment_output.h"
@@ -349,10 +350,9 @@ nlohmann::json CompareJson(const StatesFit& fit) {
 namespace {
 
 std::string NotSeenText(const StatesExplanation& x) {
-  std::string text;
-  for (const auto& [id, seen] : x.not_seen)
-    text += fmt::format("  {:<28} {}\n", id, WhyNotSeen(x, id).english);
-  return text.empty() ? text : "\nCannot be tested with these episodes (which does not mean absent)\n" + text;
+  std::vector<std::pair<std::string, std::string>> why_not;
+  for (const auto& [id, seen] : x.not_seen) why_not.emplace_back(id, WhyNotSeen(x, id).english);
+  return UntestedText(why_not, "episodes");
 }
 
 nlohmann::json MissingJson(const StatesExplained& e) {
