@@ -10,11 +10,11 @@ namespace hydroscope {
 std::string UntestedText(const std::vector<std::pair<std::string, std::string>>& why_not,
                          std::string_view counted) {
   std::vector<std::pair<std::string, std::vector<std::string>>> by_reason;
-  for (const auto& [id, why] : why_not) {
-    auto same =
-        std::ranges::find_if(by_reason, [&](const auto& group) { return group.first == why; });
+  for (const auto& effect : why_not) {
+    const auto& why = effect.second;
+    auto same = std::ranges::find_if(by_reason, [&](const auto& group) { return group.first == why; });
     if (same == by_reason.end()) same = by_reason.insert(same, {why, {}});
-    same->second.push_back(id);
+    same->second.push_back(effect.first);
   }
   std::string text;
   for (const auto& [why, ids] : by_reason)
