@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <map>
 
-#include "core/quantile.h"
 #include "core/told_error.h"
 #include "host/resident_memory.h"
 #include "live/burst_memory.h"
 #include "live/log.h"
+#include "live/store_errors.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
 #include "storage/set_aside.h"
@@ -29,7 +29,6 @@ constexpr std::size_t kStepsToCheckpoint = 16;
 constexpr std::size_t kStepsWithoutStroke = 128;
 constexpr std::size_t kStepsTogether = 128;
 constexpr int kPatience = 10;  // niceness of checkpoints beyond that of the service
-constexpr std::size_t kLatenciesKept = 65536;
 constexpr std::size_t kItemsKept = 10'000;
 
 std::int64_t Bytes(const WriteItem& item) {
@@ -37,19 +36,6 @@ std::int64_t Bytes(const WriteItem& item) {
   if (item.step.raw)
     for (const RawChunk& chunk : *item.step.raw) bytes += chunk.bytes();
   return bytes;
-}
-
-bool Has(const Error& error, const char* text) { return error.text.find(text) != std::string::npos; }
-
-/// The file itself, as storage/connection.cc words it.
-bool IsDamage(const Error& error, const std::string& path) {
-  return Has(error, (path + " is damaged (").c_str()) || Has(error, "not an SQLite file");
-}
-
-/// Passes when somebody frees space, unlocks or repairs the disk; then the same step is tried again.
-bool MayPass(const Error& error) {
-  return Has(error, "file is gone") || Has(error, "disk is full") || Has(error, "another process") ||
-         Has(error, "cannot be written") || Has(error, "cannot open") || Has(error, "SQLite error");
 }
 
 std::optional<Database> Opened(const std::string& path) {
@@ -290,11 +276,11 @@ void LiveWriter::Settle(const Status& done) {
 }
 
 void LiveWriter::Fail(const Error& error) {
-  const WriterState state = !damage_.empty()                ? WriterState::kDamaged
-                            : Has(error, "file is gone")    ? WriterState::kGone
-                            : Has(error, "disk is full")    ? WriterState::kDiskFull
-                            : Has(error, "another process") ? WriterState::kLocked
-                                                            : WriterState::kFailing;
+  const WriterState state = !damage_.empty()                      ? WriterState::kDamaged
+                            : ErrorSays(error, "file is gone")    ? WriterState::kGone
+                            : ErrorSays(error, "disk is full")    ? WriterState::kDiskFull
+                            : ErrorSays(error, "another process") ? WriterState::kLocked
+                                                                  : WriterState::kFailing;
   if (status_.state != state) {
     ++status_.pauses;
     LogWarning("cannot_write", {{"state", WriterStateName(state)}, {"why", error.text}});
@@ -453,13 +439,9 @@ void LiveWriter::Count(const WriteItem& item) {
   const std::int64_t now = clock_().monotonic_ns;
   // A sender whose clock runs faster than ours (a simulated press at 15 times its speed) has no latency to tell.
   if (item.sent == 0 || item.sent > now) return;
-  if (latencies_.size() >= kLatenciesKept) {
-    latencies_.erase(latencies_.begin(), latencies_.begin() + kLatenciesKept / 2);
-    commits_.erase(commits_.begin(), commits_.begin() + kLatenciesKept / 2);
-  }
-  latencies_.push_back(static_cast<double>(now - item.sent) * 1e-9);
-  commits_.push_back(static_cast<double>(now - item.taken) * 1e-9);
-  status_.latency_max = std::max(status_.latency_max, latencies_.back());
+  const double since_sent = static_cast<double>(now - item.sent) * 1e-9;
+  latencies_.Add(since_sent, static_cast<double>(now - item.taken) * 1e-9);
+  status_.latency_max = std::max(status_.latency_max, since_sent);
 }
 
 bool LiveWriter::Stop(double seconds) {
@@ -481,13 +463,18 @@ bool LiveWriter::Stop(double seconds) {
 }
 
 WriterStatus LiveWriter::status() const {
-  std::lock_guard lock(mutex_);
-  WriterStatus status = status_;
-  status.waiting_items =
-      static_cast<std::int64_t>(items_.size()) + static_cast<std::int64_t>(current_.size());
-  status.latency_p50 = Quantile(latencies_, 0.5, 0);
-  status.latency_p99 = Quantile(latencies_, 0.99, 0);
-  status.commit_p99 = Quantile(commits_, 0.99, 0);
+  WriterStatus status;
+  StrokeLatencies latencies;  // sorted without the lock, for which strokes wait
+  {
+    std::lock_guard lock(mutex_);
+    status = status_;
+    status.waiting_items =
+        static_cast<std::int64_t>(items_.size()) + static_cast<std::int64_t>(current_.size());
+    latencies = latencies_;
+  }
+  status.latency_p50 = latencies.SinceSent(0.5);
+  status.latency_p99 = latencies.SinceSent(0.99);
+  status.commit_p99 = latencies.SincePipeline(0.99);
   return status;
 }
 
@@ -499,7 +486,7 @@ std::set<int> LiveWriter::TakeBroken() {
 
 std::vector<double> LiveWriter::TakeLatencies() {
   std::lock_guard lock(mutex_);
-  return std::exchange(latencies_, {});
+  return latencies_.TakeSinceSent();
 }
 
 void LiveWriter::AddValveCheck(int axis, ValveCheckRecord check) {

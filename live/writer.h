@@ -15,6 +15,7 @@
 #include "core/clock.h"
 #include "core/told.h"
 #include "live/axis_pipeline.h"
+#include "live/stroke_latencies.h"
 #include "storage/database.h"
 #include "storage/file_identity.h"
 
@@ -126,7 +127,7 @@ class LiveWriter {
   std::size_t to_fetch_ = 0;                       ///< axes into whose pages the next strokes have to be read
   std::optional<std::pair<int, ValveCheckRecord>> current_check_;
   WriterStatus status_;
-  std::vector<double> latencies_, commits_;
+  StrokeLatencies latencies_;
   std::set<int> broken_;
   Told damage_;  ///< what is wrong with the file, from a check or from SQLite itself
   bool checking_ = false;

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
+#include "page/access/login_limiter.h"
 
-#include "page/access/logins.h"
+#include <gtest/gtest.h>
 
 namespace hydroscope {
 namespace {
