@@ -17,8 +17,9 @@ inline bool IsDamage(const Error& error, const std::string& path) {
 
 /// Whether it passes when somebody frees space, unlocks or repairs the disk; then the same step is tried again.
 inline bool MayPass(const Error& error) {
-  return ErrorSays(error, "file is gone") || ErrorSays(error, "disk is full") || ErrorSays(error, "another process") ||
-         ErrorSays(error, "cannot be written") || ErrorSays(error, "cannot open") || ErrorSays(error, "SQLite error");
+  return ErrorSays(error, "file is gone") || ErrorSays(error, "disk is full") ||
+         ErrorSays(error, "another process") || ErrorSays(error, "cannot be written") ||
+         ErrorSays(error, "cannot open") || ErrorSays(error, "SQLite error");
 }
 
 }  // namespace hydroscope

@@ -61,7 +61,7 @@ TEST(LiveStore, RowsFlagsStrokesAndStateComeBack) {
 
 /// Machines with a history whose newest strokes are stored together, as those of a press are.
 struct Presses {
-  static constexpr int kMachines = 40;
+  static constexpr int kMachines = 100;  // whose pages are more than SQLite keeps by itself
   Presses(const std::string& path, std::int64_t history) : database(Value(Database::Open(path))) {
     for (int m = 0; m < kMachines; ++m) {
       const auto machine = Value(database.MachineId("axis " + std::to_string(m)));
@@ -100,12 +100,12 @@ struct Presses {
   std::int64_t next = 0;
 };
 
-TEST(LiveStore, StrokesReadNoPagesHoweverLongTheHistory) {
+TEST(LiveStore, StrokesReadHardlyAnyPagesHoweverLongTheHistory) {
   const Folder folder;
   Presses presses(folder.File(), 400);
   EXPECT_OK(presses.database.KeepPagesOf(Presses::kMachines));
   presses.PagesOfNext();
-  EXPECT_EQ(presses.PagesOfNext(), 0);
+  EXPECT_LT(presses.PagesOfNext(), Presses::kMachines / 4) << "two of each without";
 }
 
 TEST(LiveStore, PagesFetchedInAPauseAreNotReadByStrokes) {
