@@ -355,7 +355,7 @@ test("a service shows its database, and still answers its tools", async (t) => {
   assert.deepEqual(await page.locator(".views button").allInnerTexts(), ["Overview", "Trends", "Alarms", "Valve", "Learn", "SCADA", "Service", "Workbench"]);
   await page.goto(`${address}#view=service`);
   await page.waitForSelector(".service[data-state] table");
-  assert.match(await page.locator(".service").innerText(), /Queues.*Disk\n(–|[\d.]+\sMB) free.*Sources.*Channels/s);
+  assert.match(await page.locator(".service").innerText(), /Queues.*Disk\n(–|[\d.]+\s[MG]B) free.*Sources.*Channels/s);
   assert.match(await page.locator(".service").innerText(), /\d+ open files/);
   await assertAccessible(page, "service");
   await assertFits(page, "service");

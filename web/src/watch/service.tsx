@@ -25,7 +25,7 @@ function useService(): ServiceStatus | null | undefined {
 }
 
 const age = (seconds: number | null) => (seconds === null ? "–" : seconds < 100 ? `${short(seconds, 2)} s` : seconds < 6000 ? `${short(seconds / 60, 2)} min` : `${short(seconds / 3600, 3)} h`);
-const megabytes = (bytes: number) => `${short(bytes / 2 ** 20)} MB`;
+const memory = (bytes: number) => (bytes < 2 ** 30 ? `${short(bytes / 2 ** 20)} MB` : `${short(bytes / 2 ** 30)} GB`);
 /** Names of units as machine files have them, as people read them. */
 const si: Record<string, [number, number, string]> = { Pa: [1e-5, 0, "bar"], m: [1e3, 0, "mm"], "m/s": [1e3, 0, "mm/s"], m3: [1e3, 0, "l"], "m3/s": [6e4, 0, "l/min"], K: [1, -273.15, "°C"] };
 const value = (number: number | null, unit: string) => { const [factor, offset, name] = si[unit] ?? [1, 0, unit]; return amount(number === null ? null : number * factor + offset, name, 4); };
@@ -56,10 +56,10 @@ function Status({ overview, service }: { overview: Overview; service: ServiceSta
       <dl class="facts">
         <div><dt>{say("serviceWriter")}</dt><dd>{say(`writer_${writer.state}` as keyof Words)} · {say("serviceStored", { strokes: writer.strokes, rows: writer.rows })}</dd></div>
         <div><dt>{say("serviceLatency")}</dt><dd>{writer.latency_max_s > 0 ? `${short(1e3 * writer.latency_p50_s)} ms p50, ${short(1e3 * writer.latency_p99_s)} ms p99` : "–"}</dd></div>
-        <div><dt>{say("serviceQueues")}</dt><dd>{say("serviceWaiting", { batches: inbox.batches, steps: writer.waiting_items, bytes: megabytes(writer.waiting_bytes) })}</dd></div>
+        <div><dt>{say("serviceQueues")}</dt><dd>{say("serviceWaiting", { batches: inbox.batches, steps: writer.waiting_items, bytes: memory(writer.waiting_bytes) })}</dd></div>
         <div><dt>{say("serviceLost")}</dt><dd class={lost > 0 ? "moved" : ""}>{say("serviceLostWhat", { batches: inbox.dropped_batches, rows: writer.dropped_rows, strokes: writer.dropped_strokes })}</dd></div>
-        <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: writer.free_bytes > 0 ? megabytes(writer.free_bytes) : "–", database: writer.database_bytes > 0 ? megabytes(writer.database_bytes) : "–" })}</dd></div>
-        <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {megabytes(service.memory_bytes)}, {say("serviceFiles", { count: service.descriptors })}</dd></div>
+        <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: writer.free_bytes > 0 ? memory(writer.free_bytes) : "–", database: writer.database_bytes > 0 ? memory(writer.database_bytes) : "–" })}</dd></div>
+        <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {memory(service.memory_bytes)}, {say("serviceFiles", { count: service.descriptors })}</dd></div>
         {service.valve_check && <div><dt>{say("valveChecks")}</dt><dd><Told of={service} what="valve_check" /></dd></div>}
         {service.limits && <div><dt>{say("serviceReload")}</dt><dd><Told of={service} what="limits" /></dd></div>}
       </dl>
