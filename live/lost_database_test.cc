@@ -111,19 +111,21 @@ TEST_F(LiveServiceTest, ADatabaseThatIsMovedAwayIsToldAndWrittenAgainWhenItIsBac
   ASSERT_TRUE(service) << service.error().text;
   std::filesystem::rename(File("press.db"), File("elsewhere.db"));
   EXPECT_OK((*service)->Start());
-  const auto wait_for = [&](WriterState state) {
-    for (int k = 0; k < 1000 && (*service)->status().writer.state != state; ++k)
+  const auto wait_for = [&](const auto& reached) {
+    for (int k = 0; k < 1000 && !reached((*service)->status().writer); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return (*service)->status().writer;
   };
-  const WriterStatus gone = wait_for(WriterState::kGone);
+  const WriterStatus gone = wait_for([](const WriterStatus& w) { return w.state == WriterState::kGone; });
   EXPECT_EQ(gone.state, WriterState::kGone);
   EXPECT_THAT(gone.problem.english, HasSubstr("deleted, moved or replaced"));
   EXPECT_EQ(gone.steps, 0);
   std::filesystem::rename(File("elsewhere.db"), File("press.db"));
-  EXPECT_EQ(wait_for(WriterState::kWriting).state, WriterState::kWriting);
+  const WriterStatus back =
+      wait_for([](const WriterStatus& w) { return w.state == WriterState::kWriting && w.rows > 0; });
+  EXPECT_EQ(back.state, WriterState::kWriting);
+  EXPECT_GT(back.rows, 0);
   EXPECT_TRUE((*service)->Stop());
-  EXPECT_GT((*service)->status().writer.rows, 0);
 }
 
 }  // namespace
