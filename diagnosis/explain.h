@@ -119,8 +119,8 @@ struct ExplainOptions {
   double evidence_growth = 0.5;
   /// Standard errors of the model error's energy above floor_excess up to which it may still be noise alone.
   double floor_errors = 2;
-  /// Named effects that are functions of one and the same signal: as many draw any curve over it, as one law may that nobody
-  /// wrote down.
+  /// Effects that are functions of one and the same signal: as many draw any curve over it, also that of one law which nobody
+  /// thought of when the machine file was written.
   std::size_t any_curve = 3;
   /// Laws without a name that are proposed, at most: more would say no more than that the log tells none of them.
   std::size_t most_proposed = 5;
@@ -196,8 +196,8 @@ struct EffectSwap {
 /// A law of general shape that no effect of the machine file has, and that explains the error as far as one does.
 struct ProposedLaw {
   std::string expression;  ///< as an effect of the machine file would have it
-  std::string
-      late_signal;  ///< whose rate it is: what leaves such an error comes late, or through a filter; "" else
+  /// Whose rate it is: a signal that comes late, or through a filter, leaves such an error; "" else.
+  std::string late_signal;
   double rms_holdout = 0;  ///< output unit
   double excess_ratio = 0;
 };
@@ -217,7 +217,7 @@ struct Explanation {
   bool small_error = false;
   /// With `unknown`: `margin_law`, a law without a name, describes the strokes down to the floor, and what was found does not.
   bool nameless = false;
-  /// With `unknown`, of a machine of the user's own: laws that each bring the model as it is down to the noise, best first.
+  /// With `unknown`, of a machine of the user's own: laws that each leave no more than a name may leave, best first.
   std::vector<ProposedLaw> proposed;
   Told doubt;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.

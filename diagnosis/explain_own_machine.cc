@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/contains.h"
 #include "diagnosis/subset_search.h"
 #include "estimation/gram_fit.h"
 #include "models/machine_kind.h"
@@ -144,14 +145,15 @@ class OwnMachineExplainer {
     out.groups.clear();
   }
 
-  /// Several effects over one signal may be no more than the curve of one that is missing.
+  /// Several effects over one signal, named now or before, may be no more than the curve of one that is missing.
   void DoubtIfAnyCurve(Explanation& out) const {
     std::map<std::string, std::vector<std::string>> over;
-    for (const int e : Added({out.chosen, {}}, static_cast<std::size_t>(out.started)))
-      if (const Effect& effect = *strokes_.model().effects[e]; effect.reads.size() == 1)
+    for (const EffectChoice& choice : out.chosen)
+      if (const Effect& effect = *strokes_.model().effects[choice.effect]; effect.reads.size() == 1)
         over[effect.reads.front()].push_back(effect.id);
     for (const auto& [signal, ids] : over) {
-      if (ids.size() < options_.any_curve) continue;
+      const bool named = std::ranges::any_of(ids, [&](const auto& id) { return Contains(out.set, id); });
+      if (!named || ids.size() < options_.any_curve) continue;
       out.partial = true;
       out.doubt = Tell(
           "{} all go with {} alone: together they draw the curve of any law of it, also of one that the "

@@ -123,6 +123,13 @@ TEST(OwnMachines, ThreeEffectsOfOneSignalAreNoProofOfThree) {
   ASSERT_THAT(result->explanation.set, UnorderedElementsAre("coulomb", "viscous", "drag"));
   EXPECT_TRUE(result->explanation.partial);
   EXPECT_THAT(result->explanation.doubt.english, HasSubstr("all go with ddt(x) alone"));
+
+  machine.added_effects = {"coulomb"};  // nor are they once one of them is added
+  const auto added = ExplainStrokes(OwnMachineStrokes(
+      {.hidden = {"coulomb", "viscous", "drag"}, .size = 4, .noise = 0.1, .seed = 7}, machine));
+  ASSERT_TRUE(added);
+  ASSERT_THAT(added->explanation.set, UnorderedElementsAre("viscous", "drag"));
+  EXPECT_TRUE(added->explanation.partial);
 }
 
 /// Noise that goes on from row to row hardly shows between neighbouring rows, and is most of what blocks of them have.
