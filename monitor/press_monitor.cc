@@ -80,8 +80,12 @@ const AxisMonitor* PressMonitor::Find(const std::string& machine) const {
 }
 
 Status PressMonitor::CatchUp(double wall) {
+  const Seen now{TRY(database_.CountStored()), TRY(journal_.CurrentVersion())};
+  if (now == caught_up_to_) return {};
   for (const auto& axis : axes_) TRY(axis->CatchUp(wall));
-  return axes_.size() > 1 ? JudgeTogether(wall) : Status{};
+  if (axes_.size() > 1) TRY(JudgeTogether(wall));
+  caught_up_to_ = now;
+  return {};
 }
 
 Status PressMonitor::Tick(double wall) {

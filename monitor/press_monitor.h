@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,7 +26,8 @@ class PressMonitor {
 
   /// AxisMonitor::watchable of every axis.
   Status watchable() const;
-  /// AxisMonitor::CatchUp of every axis, then the rules about several axes. Errors: database or journal.
+  /// AxisMonitor::CatchUp of every axis, then the rules about several axes; next to nothing is read while neither database
+  /// nor journal has anything new. Errors: database or journal.
   Status CatchUp(double wall);
   /// Ends shelves whose time is over.
   Status Tick(double wall);
@@ -43,10 +45,17 @@ class PressMonitor {
     const char* event;  ///< for logs
     std::string text;
   };
+  /// Of the database, so far.
+  std::int64_t PagesAsked() const { return database_.PagesAsked(); }
   /// What those who opened it should know: that a journal of another database was set aside, that rules and machine differ.
   const std::vector<Notice>& notices() const { return notices_; }
 
  private:
+  struct Seen {
+    StoredCounts stored;
+    AlarmJournal::Version journal;
+    bool operator==(const Seen&) const = default;
+  };
   PressMonitor(std::string name, drift::RuleBook rules, std::vector<Machine> machines, Database database,
                AlarmJournal journal)
       : name_(std::move(name)),
@@ -67,6 +76,7 @@ class PressMonitor {
   std::vector<Machine> machines_;  ///< one per axis, named as in the database
   std::vector<std::unique_ptr<AxisMonitor>> axes_;
   std::vector<AlarmState> alarms_;
+  std::optional<Seen> caught_up_to_;
   /// By rule: strokes from and to of what stood together, as far as the journal tells it.
   std::map<std::string, std::vector<std::pair<std::int64_t, std::int64_t>>> told_;
 };

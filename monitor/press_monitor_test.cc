@@ -180,6 +180,23 @@ TEST_F(PressMonitorTest, WhatCameAndWentTogetherIsToldThoughOneAxisIsJudgedLater
   EXPECT_THAT(together, testing::ElementsAre("raised", "cleared"));
 }
 
+TEST_F(PressMonitorTest, WhileNothingComesNextToNothingIsAskedFor) {
+  for (int a = 0; a < 2; ++a) Store(a, Healthy());
+  const auto press = Open();
+  for (int times = 0; times < 2; ++times)
+    ASSERT_OK(press->CatchUp(1000));  // the second sees what the first wrote
+  const auto pages_asked_behind = [&](const std::string& written) {
+    EXPECT_TRUE(Database::Open(DatabasePath()).value().MachineId(written));
+    const std::int64_t before = press->PagesAsked();
+    EXPECT_OK(press->CatchUp(1000));
+    return press->PagesAsked() - before;
+  };
+  EXPECT_LE(pages_asked_behind("another"), 10);
+  Store(1, Clogged());
+  EXPECT_GT(pages_asked_behind("one more"), 50);
+  EXPECT_THAT(Standing(press->axis(1)), testing::Not(testing::IsEmpty()));
+}
+
 TEST_F(PressMonitorTest, ARestartNeitherLiftsNorRepeatsASuppression) {
   for (int a = 0; a < 2; ++a) Store(a, Healthy());
   for (int a = 0; a < 2; ++a) Store(a, Clogged());

@@ -93,6 +93,12 @@ struct RawExtent {
   std::int64_t rows_taken = 0;  ///< rows the pipeline took of the run; more than `rows`: not all are kept
 };
 
+/// How much the file holds of all its machines: equal counts, nothing came.
+struct StoredCounts {
+  std::int64_t runs = 0, strokes = 0, valve_checks = 0;
+  bool operator==(const StoredCounts&) const = default;
+};
+
 /// A valve check as the trend database keeps it; NaN where nothing was measured.
 struct ValveCheckRecord {
   std::string outcome;  ///< "measured", "refused", "broken", "no_answer", "unusable"
@@ -173,6 +179,8 @@ class Database {
   Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
   /// Sequence behind the machine's newest stroke; 0 without strokes.
   Result<std::int64_t> EndSequence(std::int64_t machine) const;
+  /// For who waits for more of any machine: one question in place of one for each.
+  Result<StoredCounts> CountStored() const;
   /// Sequence of the first stroke that ends at or after `time` (s, the logs' own time). Error: a log begins
   /// before the log before it ended, so that a time does not tell which log is meant.
   Result<std::int64_t> SequenceAt(std::int64_t machine, double time) const;
@@ -209,6 +217,8 @@ class Database {
   Status FetchPages(std::int64_t run);
   /// Pages read from the file into SQLite's memory so far.
   std::int64_t PagesRead() const;
+  /// Pages looked at so far, in memory or not.
+  std::int64_t PagesAsked() const;
   /// From now on Checkpoint is called in pauses: by itself it happens only beyond 64 MB, should they not come.
   Status LeaveCheckpointsToPauses();
   /// The machine's newest run; nullopt if it has none.

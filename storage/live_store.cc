@@ -75,6 +75,8 @@ Status Database::FetchPages(std::int64_t run) {
 
 std::int64_t Database::PagesRead() const { return impl_->PagesRead(); }
 
+std::int64_t Database::PagesAsked() const { return impl_->PagesFound() + impl_->PagesRead(); }
+
 Status Database::LeaveCheckpointsToPauses() {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     const int page = impl_->db.execAndGet("PRAGMA page_size").getInt();

@@ -15,6 +15,22 @@ Result<std::int64_t> Database::EndSequence(std::int64_t machine) const {
                  [&]() -> Result<std::int64_t> { return NextSequence(impl_->RunsOf(machine)); });
 }
 
+Result<StoredCounts> Database::CountStored() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<StoredCounts> {
+    SQLite::Transaction one_snapshot(impl_->db);
+    StoredCounts counts;
+    Query runs(*impl_, "SELECT count(*), coalesce(sum(strokes), 0) FROM run");
+    runs.Step();
+    runs.Read(0, counts.runs, counts.strokes);
+    Query checks(
+        *impl_,
+        "SELECT coalesce(sum((SELECT max(number) FROM valve_check WHERE machine = m.id)), 0) FROM machine m");
+    checks.Step();
+    counts.valve_checks = checks.Int(0);
+    return counts;
+  });
+}
+
 Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::int64_t> {
     SQLite::Transaction one_snapshot(impl_->db);
