@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/contains.h"
 #include "diagnosis/states/function_bank.h"
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/search_sentences.h"
@@ -15,6 +16,8 @@
 
 namespace hydroscope {
 namespace {
+
+constexpr const char* kKnee = "knee";  ///< of a hinge, in the spread of what it is of
 
 /// Rms of what a state changes by per second, of an output's variation.
 double EquationSize(const StateFit& rest, std::span<const Episode> episodes, const std::string& equation) {
@@ -34,11 +37,11 @@ double EquationSize(const StateFit& rest, std::span<const Episode> episodes, con
   return 0;
 }
 
-/// A machine with effects of general shape in the equations that one of its effects adds to.
+/// A machine with effects of general shape in some of its equations.
 class GeneralLaws {
  public:
-  /// `rest`: the machine fitted without the effect.
-  GeneralLaws(const Machine& without, const std::string& effect, const StateFit& rest,
+  /// In each of the equations, and in all of them; `about`: the fit that variables and rates are scaled by.
+  GeneralLaws(const Machine& machine, const std::vector<std::string>& equations, const StateFit& about,
               std::span<const Episode> episodes);
 
   const Machine& machine() const { return machine_; }
@@ -57,29 +60,23 @@ class GeneralLaws {
   std::vector<GeneralLaw> laws_;
 };
 
-GeneralLaws::GeneralLaws(const Machine& without, const std::string& effect, const StateFit& rest,
+GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>& in, const StateFit& about,
                          std::span<const Episode> episodes)
-    : machine_(without) {
-  const std::vector<Effect> library = StateEffectsOf(without);
-  const Effect* like = FindStateEffect(library, effect);
-  if (like == nullptr) return;
+    : machine_(machine) {
   std::vector<Equation> equations;
-  for (const TermSpec& term : like->adds) {
-    const double size = EquationSize(rest, episodes, term.parameter);
-    const bool known = std::ranges::any_of(
-        equations, [&](const Equation& equation) { return equation.name == term.parameter; });
-    if (size > 0 && !known) equations.push_back({term.parameter, size});
-  }
-  const StateModel& model = *rest.model;
+  for (const std::string& name : in)
+    if (const double size = EquationSize(about, episodes, name); size > 0) equations.push_back({name, size});
+  if (equations.empty()) return;
+  const StateModel& model = *about.model;
   const int variables = model.states() + static_cast<int>(model.inputs.size());
   for (int v = 0; v < variables; ++v) {
     const std::string name = v < model.states()
                                  ? EquationName(model, v)
-                                 : without
+                                 : machine
                                        .signals[static_cast<std::size_t>(
                                            model.inputs[static_cast<std::size_t>(v - model.states())])]
                                        .name;
-    const std::vector<double> values = ValuesOf(rest, episodes, v);
+    const std::vector<double> values = ValuesOf(about, episodes, v);
     const auto at = [&](double share) {
       return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
     };
@@ -89,7 +86,9 @@ GeneralLaws::GeneralLaws(const Machine& without, const std::string& effect, cons
     const std::string z = fmt::format("(({} - ({:.17g}))/{:.17g})", name, middle, spread);
     for (const auto& [shape, formula] :
          {std::pair("{0}^2", "{}^2"), std::pair("{0}^3", "{}^3"), std::pair("{0}^5", "{}^5"),
-          std::pair("{0}*abs({0})", "{0}*abs({0})"), std::pair("tanh(10*{0})", "a step in {}")}) {
+          std::pair("{0}*abs({0})", "{0}*abs({0})"), std::pair("tanh(10*{0})", "a step in {}"),
+          std::pair("max({0} - knee, 0)", "what begins above some {}"),
+          std::pair("max(knee - {0}, 0)", "what begins below some {}")}) {
       const std::string term = fmt::format(fmt::runtime(shape), z),
                         read = fmt::format(fmt::runtime(formula), name);
       for (const Equation& equation : equations) Add({equation}, term, read);
@@ -110,10 +109,43 @@ void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string&
     effect.parameters.push_back({size, kFirst, -kMost, kMost});
     law.equations.push_back(equation.name);
   }
+  if (term.find(kKnee) != std::string::npos) effect.parameters.push_back({kKnee, 0, -1, 1});
   law.id = fmt::format("{} in {}", formula, fmt::join(law.equations, ", "));
   effect.id = law.id;
   machine_.user_effects.push_back(std::move(effect));
   laws_.push_back(std::move(law));
+}
+
+constexpr std::size_t kBeside =
+    3;  ///< laws that are fitted beside a set, those that are foreseen to gain most
+
+/// The equations that an effect adds to.
+std::vector<std::string> EquationsOf(const Machine& machine, const std::string& effect) {
+  const std::vector<Effect> library = StateEffectsOf(machine);
+  std::vector<std::string> out;
+  if (const Effect* found = FindStateEffect(library, effect))
+    for (const TermSpec& term : found->adds)
+      if (!Contains(out, term.parameter)) out.push_back(term.parameter);
+  return out;
+}
+
+struct LawContender {
+  StateContender contender;
+  const GeneralLaw* law = nullptr;
+};
+
+/// The laws that are foreseen to gain most beside a set.
+std::vector<LawContender> ContendersBeside(const StateCandidate& set, const GeneralLaws& general,
+                                           const CandidateFits& fits, std::size_t most) {
+  std::vector<LawContender> out;
+  for (const GeneralLaw& law : general.laws()) {
+    std::vector<std::string> added = set.added;
+    added.push_back(law.id);
+    if (auto contender = fits.Screened(added, set)) out.push_back({std::move(*contender), &law});
+  }
+  std::ranges::stable_sort(out, {}, [](const LawContender& law) { return law.contender.foreseen; });
+  if (out.size() > most) out.erase(out.begin() + static_cast<std::ptrdiff_t>(most), out.end());
+  return out;
 }
 
 }  // namespace
@@ -122,18 +154,8 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   const StatesExplanation& out = found.out;
   const StateCandidate& rest = out.final.added.size() == 1 ? out.base : found.Without(effect);
   if (!rest.fitted()) return {};
-  const GeneralLaws general(found.machine, effect, rest.fit, found.episodes);
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, effect), rest.fit, found.episodes);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
-  std::vector<std::pair<StateContender, const GeneralLaw*>> contenders;
-  for (const GeneralLaw& law : general.laws()) {
-    std::vector<std::string> added = rest.added;
-    added.push_back(law.id);
-    if (auto contender = fits.Screened(added, rest)) contenders.emplace_back(std::move(*contender), &law);
-  }
-  std::ranges::stable_sort(contenders,
-                           [](const auto& a, const auto& b) { return a.first.foreseen < b.first.foreseen; });
-  if (contenders.size() > static_cast<std::size_t>(found.options.contenders))
-    contenders.erase(contenders.begin() + found.options.contenders, contenders.end());
   std::vector<std::string> alone = found.machine.added_effects;
   alone.push_back(effect);
   const auto effect_alone = BuildStateModel(found.machine, alone);
@@ -141,13 +163,30 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   const double enough =
       out.final.held_out *
       (1 - (out.final_left.structured ? found.options.min_removed * out.final_left.least_share : 0));
-  for (const auto& [contender, law] : contenders) {
-    const StateCandidate other = fits.Fitted(contender);
+  for (const LawContender& in_place : ContendersBeside(rest, general, fits, found.options.contenders)) {
+    const StateCandidate other = fits.Fitted(in_place.contender);
     if (other.fitted() && other.held_out < enough &&
         !SameLaw(out.base.fit, out.final, other, found.episodes, found.options.same_law, effect_alone->get()))
-      return NotToldFromGeneral(effect, *law);
+      return NotToldFromGeneral(effect, *in_place.law);
   }
   return {};
+}
+
+std::optional<LawBeside> FindLawBeside(FoundSets& found) {
+  const StateCandidate& set = found.out.final;
+  std::vector<std::string> equations;
+  for (const std::string& effect : set.added)
+    for (const std::string& equation : EquationsOf(found.machine, effect))
+      if (!Contains(equations, equation)) equations.push_back(equation);
+  std::optional<LawBeside> best;
+  const GeneralLaws general(found.machine, equations, set.fit, found.episodes);
+  const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
+  for (const LawContender& beside : ContendersBeside(set, general, fits, kBeside)) {
+    const StateCandidate both = fits.Fitted(beside.contender);
+    const double removed = set.held_out - both.held_out;
+    if (both.fitted() && removed > (best ? best->removed : 0)) best = LawBeside{*beside.law, removed};
+  }
+  return best;
 }
 
 }  // namespace hydroscope

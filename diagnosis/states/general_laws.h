@@ -21,4 +21,14 @@ struct GeneralLaw {
 /// that says so.
 std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect);
 
+/// A law of general shape beside the set found, both fitted.
+struct LawBeside {
+  GeneralLaw law;
+  double removed = 0;  ///< energy that it takes from what the set leaves
+};
+
+/// The one, in the equations that the set's effects add to, that takes away most. Where an effect imitates another law, what is
+/// left shows far less of that about its fit than once a law beside it is fitted.
+std::optional<LawBeside> FindLawBeside(FoundSets& found);
+
 }  // namespace hydroscope

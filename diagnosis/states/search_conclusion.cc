@@ -55,6 +55,11 @@ class SearchConclusion {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
+    if (const auto law = LawThatIsMissing()) {
+      out_.warnings.push_back(MoreThanForeseen(law->law, law->removed / Removed(law->removed)));
+      out_.LeaveUnknown(out_.final.added);
+      return;
+    }
     out_.partial = out_.final_left.structured || out_.dynamics || slow > 0;
     if (out_.final_left.structured) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
     LeaveOutUnspecific();
@@ -194,6 +199,19 @@ class SearchConclusion {
   bool Complete() {
     out_.unexplained = out_.Unexplained(out_.final, out_.final_left);
     return out_.unexplained <= compare_.LeftShare(out_.final);
+  }
+
+  /// Energy that the set found and a law beside it, which takes away `more`, remove.
+  double Removed(double more) const {
+    return std::max(out_.base.held_out - out_.final.held_out + more, 1e-300);
+  }
+
+  /// A law of general shape beside the set found that takes away more than a complete set may leave.
+  std::optional<LawBeside> LawThatIsMissing() {
+    if (!out_.final_left.structured) return std::nullopt;
+    auto law = FindLawBeside(found_);
+    if (!law || law->removed <= compare_.LeftShare(out_.final) * Removed(law->removed)) return std::nullopt;
+    return law;
   }
 
   /// A law that the log shows too seldom may be in what the final set leaves.

@@ -60,6 +60,15 @@ Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law) {
       law.formula, fmt::format("{}", fmt::join(law.equations, ", ")), effect);
 }
 
+Told MoreThanForeseen(const GeneralLaw& law, double share) {
+  return Tell(
+      "put beside what was found, {} in the equation of {}, which is no effect of the machine file, explains {:.2g} % of what both "
+      "explain: what was found may imitate a law that is missing. Give the file all laws that may be",
+      "neben das Gefundene gestellt, erklärt {} in der Gleichung von {}, kein Effekt der Maschinendatei, {:.2g} % dessen, was beide "
+      "erklären: das Gefundene kann ein fehlendes Gesetz nachahmen. Der Datei alle Gesetze geben, die es sein können",
+      law.formula, fmt::format("{}", fmt::join(law.equations, ", ")), 100 * share);
+}
+
 Told MayStandIn(const std::string& effect, double share) {
   return Tell(
       "{} would explain a further part of the error, but functions of states and inputs still predict as much as {:.0f} % of it: "

@@ -22,6 +22,8 @@ Told MoreIsSlow(double share);
 Told NotToldFrom(const std::string& effect, const LikeFunction& like);
 /// A law that the file does not name does better than the effect.
 Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law);
+/// A law that the file does not name takes away much beside what was found; `share`: of what both do.
+Told MoreThanForeseen(const GeneralLaw& law, double share);
 /// One of several effects takes away so little that what is left may be of the law it stands in for; `share`: left of that.
 Told MayStandIn(const std::string& effect, double share);
 
