@@ -265,9 +265,6 @@ export const de: Words = {
   experimentSpeedLevels: "Geschwindigkeit von {signal}, der Reihe nach",
   print: "Drucken",
 
-  effectCoulomb: "Reibung fester Größe gegen die Bewegung",
-  effectViscous: "Reibung, die mit der Geschwindigkeit wächst",
-  effectPressure: "Reibung, die mit dem Druck wächst",
   addTitle: "Hinzufügen, was fehlt",
   addChoose: "Wählen Sie einen der versuchten Effekte, um zu sehen, was er bewirkte.",
   addLaw: "Gesetz",

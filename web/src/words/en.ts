@@ -264,9 +264,6 @@ export const en = {
   experimentSpeedLevels: "speed of {signal}, in turn",
   print: "Print",
 
-  effectCoulomb: "Friction of constant size against the motion",
-  effectViscous: "Friction that grows with speed",
-  effectPressure: "Friction that grows with pressure",
   addTitle: "Add what is missing",
   addChoose: "Choose an effect of those tried to see what it would do.",
   addLaw: "Law",
