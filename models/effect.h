@@ -75,7 +75,7 @@ struct Effect {
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;
-  /// title, plain and told_apart_by as the page says them in German; empty in effects of users' own.
+  /// title, plain and told_apart_by as the page says them in German; of users' own a title as far as the machine file has one.
   struct German {
     std::string title, plain, told_apart_by = {};
   };

@@ -183,6 +183,7 @@ struct UserEffectSpec {
   /// equation, with the effect's own parameters.
   std::vector<TermSpec> adds = {};
   std::vector<ParameterSpec> parameters = {};
+  std::string german = {};  ///< the description in German
 
   bool operator==(const UserEffectSpec&) const = default;
 };

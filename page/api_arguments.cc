@@ -12,6 +12,7 @@
 #include "estimation/frequency_response/frequency_response.h"
 #include "models/machine_kind.h"
 #include "page/http/json_arguments.h"
+#include "page/work/own_effect.h"
 
 namespace hydroscope {
 namespace {
@@ -139,6 +140,21 @@ Result<BalanceSpec> ParseBalance(const nlohmann::json& json) {
   return balance;
 }
 
+Result<std::vector<UserEffectSpec>> ParseEffects(const nlohmann::json& object) {
+  const auto written = TRY(Array(object, "effects"));
+  std::vector<UserEffectSpec> effects;
+  for (const nlohmann::json& json : written) {
+    UserEffectSpec effect;
+    effect.id = TRY(TextOf(json, "id"));
+    TRY(CheckOwnEffectId(effect.id));
+    const auto expression = TRY(ExpressionOf(json, "expression"));
+    if (TRY(FlagOf(json, "not_negative"))) effect.min = 0;
+    effect.terms = {{kOwnEffectSize, expression}};
+    effects.push_back(std::move(effect));
+  }
+  return effects;
+}
+
 }  // namespace
 
 const char* WorkName(Kind kind) {
@@ -186,6 +202,9 @@ Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
   mapping.model = std::move(model);
   if (json->contains("balance")) {
     mapping.balance = TRY(ParseBalance((*json)["balance"]));
+  }
+  if (json->contains("effects")) {
+    mapping.effects = TRY(ParseEffects(*json));
   }
   const auto columns = TRY(Array(*json, "columns"));
   for (const nlohmann::json& column : columns) {

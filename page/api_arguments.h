@@ -33,11 +33,12 @@ struct ColumnMapping {
   };
   std::string model;  ///< id of a kind of machine; "": as recognised
   std::vector<Entry> columns;
-  std::map<std::string, double> geometry;      ///< by name, SI
-  std::optional<std::vector<GateBound>> gate;  ///< nothing: as proposed
-  std::optional<BalanceSpec> balance;          ///< of a machine of one's own; nothing: as proposed
+  std::map<std::string, double> geometry;              ///< by name, SI
+  std::optional<std::vector<GateBound>> gate;          ///< nothing: as proposed
+  std::optional<BalanceSpec> balance;                  ///< of a machine of one's own; nothing: as proposed
+  std::optional<std::vector<UserEffectSpec>> effects;  ///< the same
 };
-/// Of {"model": id, "balance": {"output": ..., "terms": [{"name", "expression"}]}, "columns": [{"column", "signal", "unit"}], "geometry": {name: SI}, "gate": [{"signal", "rate", "magnitude", "min",
+/// Of {"model": id, "balance": {"output": ..., "terms": [{"name", "expression"}]}, "effects": [{"id", "expression", "not_negative"}], "columns": [{"column", "signal", "unit"}], "geometry": {name: SI}, "gate": [{"signal", "rate", "magnitude", "min",
 /// "max"}]}; all may be absent.
 Result<ColumnMapping> ParseColumnMapping(const std::string& body);
 

@@ -90,6 +90,17 @@ TEST(ApiArguments, TakesAKindOfMachineAndABalance) {
   EXPECT_EQ(mapping->balance->terms.at(0), (TermSpec{"A", "p_A"}));
 }
 
+TEST(ApiArguments, TakesEffectsOfAMachineOfOnesOwn) {
+  const auto mapping = ParseColumnMapping(
+      R"json({"effects": [{"id": "drag", "expression": "ddt(z)", "not_negative": true}, {"id": "c", "expression": ""}]})json");
+  ASSERT_TRUE(mapping) << mapping.error().text;
+  ASSERT_TRUE(mapping->effects);
+  EXPECT_EQ(mapping->effects->at(0).terms.at(0), (TermSpec{"k", "ddt(z)"}));
+  EXPECT_EQ(mapping->effects->at(0).min, 0.0);
+  EXPECT_FALSE(mapping->effects->at(1).min);
+  EXPECT_FALSE(ParseColumnMapping(R"json({"effects": [{"id": "Drag it", "expression": "z"}]})json"));
+}
+
 TEST(ApiArguments, LeavesTheGateAsProposedWhereNoneIsGiven) {
   const auto mapping = ParseColumnMapping("{}");
   ASSERT_TRUE(mapping);

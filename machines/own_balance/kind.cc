@@ -52,10 +52,18 @@ void CompleteOwn(const LogSample& log, const std::map<std::string, double>&, Mac
   draft.decided.emplace_back("balance: force = area * pressure + constant, because both are there",
                              "Bilanz: Kraft = Fläche * Druck + Konstante, weil beide da sind");
   if (!has("z")) return;
-  draft.machine.user_effects = {
-      {"coulomb_friction", "Friction of constant size against the motion", {{"F_c", "sign(ddt(z))", "N"}}},
-      {"viscous_friction", "Friction that grows with speed", {{"d", "ddt(z)", "N s/m"}}},
-      {"pressure_friction", "Friction that grows with pressure", {{"mu", "p_A*sign(ddt(z))", "m2"}}}};
+  draft.machine.user_effects = {{.id = "coulomb_friction",
+                                 .description = "Friction of constant size against the motion",
+                                 .terms = {{"F_c", "sign(ddt(z))", "N"}},
+                                 .german = "Reibung fester Größe gegen die Bewegung"},
+                                {.id = "viscous_friction",
+                                 .description = "Friction that grows with speed",
+                                 .terms = {{"d", "ddt(z)", "N s/m"}},
+                                 .german = "Reibung, die mit der Geschwindigkeit wächst"},
+                                {.id = "pressure_friction",
+                                 .description = "Friction that grows with pressure",
+                                 .terms = {{"mu", "p_A*sign(ddt(z))", "m2"}},
+                                 .german = "Reibung, die mit dem Druck wächst"}};
   draft.decided.emplace_back("effects to try: friction, because a position is there",
                              "Effekte zum Probieren: Reibung, weil eine Position da ist");
 }

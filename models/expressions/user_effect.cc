@@ -82,6 +82,7 @@ Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec,
   Effect e;
   e.id = spec.id;
   e.title = spec.description.empty() ? spec.id : spec.description;
+  e.german.title = spec.german;
   e.law = fmt::format("{} * ({})", term.parameter, term.expression);
   e.source = "machine file";
   e.parameter = term.parameter;
@@ -94,6 +95,7 @@ Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec,
     e.nonlinear.push_back({s.name, s.unit.empty() ? "1" : s.unit, s.min, s.max});
   e.hidden_in = "-";
   e.plain = "An effect of the machine file.";
+  e.german.plain = "Ein Effekt der Maschinendatei.";
   e.grid = GridOf(spec.shape);
   return e;
 }

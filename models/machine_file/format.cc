@@ -351,6 +351,7 @@ std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
   for (const UserEffectSpec& effect : machine.user_effects) {
     Pairs pairs = {{"id", Quoted(effect.id)}};
     if (!effect.description.empty()) pairs.emplace_back("description", Quoted(effect.description));
+    if (!effect.german.empty()) pairs.emplace_back("german", Quoted(effect.german));
     if (!effect.terms.empty()) pairs.emplace_back("terms", Terms(effect.terms));
     if (!effect.adds.empty()) pairs.emplace_back("adds", Terms(effect.adds));
     if (!effect.parameters.empty())

@@ -136,6 +136,7 @@ unit = "N"
 terms = { A = "p", c = "1" }        # F = A·p + c + missing
 [[effect]]
 id = "coulomb_friction"
+german = "Reibung fester Größe"
 terms = { F_c = "sign(ddt(x))" }
 [[effect]]
 id = "pressure_friction"

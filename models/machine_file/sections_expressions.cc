@@ -115,6 +115,7 @@ void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machi
   section.Text("id", effect.id);
   CheckId(section, machine, effect, ids);
   section.Text("description", effect.description);
+  section.Text("german", effect.german);
   if (KindOf(machine).has_states) {
     // Without the equations, whose problem is known, everything in it would seem wrong.
     if (!machine.states.states.empty() || KindOf(machine).states == nullptr)

@@ -143,8 +143,10 @@ nlohmann::json KindsJson(const Machine& machine) {
   if (const MachineKind* own = &KindOf(machine); !Contains(kinds, own)) kinds.push_back(own);
   nlohmann::json out = nlohmann::json::array();
   for (const MachineKind* kind : kinds)
-    out.push_back(
-        {{"id", kind->id}, {"title", kind->title.english}, {"german", {{"title", kind->title.german}}}});
+    out.push_back({{"id", kind->id},
+                   {"title", kind->title.english},
+                   {"german", {{"title", kind->title.german}}},
+                   {"own", kind->own_library}});
   return out;
 }
 
@@ -155,6 +157,34 @@ nlohmann::json BalanceJson(const Machine& machine) {
   for (const TermSpec& term : machine.balance.terms)
     terms.push_back({{"name", term.parameter}, {"expression", term.expression}});
   return {{"output", machine.balance.output}, {"terms", terms}};
+}
+
+/// Of a machine of one's own; null of others.
+nlohmann::json OwnEffectsJson(const Machine& machine) {
+  if (!KindOf(machine).own_library) return nullptr;
+  nlohmann::json out = nlohmann::json::array();
+  for (const UserEffectSpec& effect : machine.user_effects)
+    if (effect.terms.size() == 1)
+      out.push_back({{"id", effect.id},
+                     {"expression", effect.terms.front().expression},
+                     {"not_negative", effect.min.value_or(-1) >= 0}});
+  return out;
+}
+
+/// Those written by hand; what was proposed and is as it was keeps its words and units.
+std::vector<UserEffectSpec> WithWords(std::vector<UserEffectSpec> written,
+                                      const std::vector<UserEffectSpec>& proposed) {
+  for (UserEffectSpec& effect : written)
+    for (const UserEffectSpec& before : proposed) {
+      if (before.id != effect.id || before.terms.size() != 1 ||
+          before.terms.front().expression != effect.terms.front().expression)
+        continue;
+      const auto min = effect.min;
+      effect = before;
+      effect.min = min;
+      break;
+    }
+  return written;
 }
 
 /// What is wrong with a machine file, without the place in a text that nobody looks at.
@@ -260,9 +290,20 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
       machine.geometry[known->first] = {known->second, 0};
   if (mapping.gate) machine.gate.bounds = *mapping.gate;
   if (mapping.balance && KindOf(machine).own_library) machine.balance = *mapping.balance;
-  if (!mapping.columns.empty() || mapping.gate || mapping.balance || !mapping.geometry.empty())
+  if (mapping.effects && KindOf(machine).own_library)
+    machine.user_effects = WithWords(*mapping.effects, machine.user_effects);
+  if (!mapping.columns.empty() || mapping.gate || mapping.balance || mapping.effects ||
+      !mapping.geometry.empty())
     proposal.text = FormatMachine(machine);
   return proposal;
+}
+
+std::string TextWithoutBalance(Machine machine) {
+  if (!KindOf(machine).own_library || machine.signals.empty()) return "";
+  // A product: any term may read the signal.
+  machine.balance = {"1*" + machine.signals.front().name, "", {{"k", "1"}}};
+  machine.user_effects.clear();
+  return FormatMachine(machine);
 }
 
 nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& proposal) {
@@ -284,6 +325,7 @@ nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& propos
             {"open", InGerman(proposal.open)}}},
           {"kinds", KindsJson(machine)},
           {"balance", BalanceJson(machine)},
+          {"effects", OwnEffectsJson(machine)},
           {"picture", PictureJson(machine)},
           {"pins", pins},
           {"columns", ColumnsJson(log, pins)},

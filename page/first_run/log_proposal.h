@@ -17,9 +17,13 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
 /// (`column`, `name`, `unit`, `low`, `high` as in the log, `thumbnail`, `signal`), `geometry` (`name`,
 /// `meaning`, `required`, `si`, `unit` that people read: `factor`, `offset`, `name`; `value`, `otherwise`: what
 /// holds where none is given, or null; `lowest`, `highest`), `balance` (of a machine of one's own: `output`,
-/// `terms`: `name`, `expression`; or null), `gate`, `units` (that may be chosen), `decided`, `open`, `german`
+/// `terms`: `name`, `expression`; or null), `effects` (of one: `id`, `expression`, `not_negative`; or null), `gate`, `units` (that may be chosen), `decided`, `open`, `german`
 /// of both and of `title`, `rows`, `duration_s`, `text` (the machine file), `problem` (why that cannot be used
 /// yet, or null).
 nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& proposal);
+
+/// The machine file of a machine of one's own whose balance is still being written: its signals and gate, with one of them as a
+/// balance. "" of other machines, and without signals.
+std::string TextWithoutBalance(Machine machine);
 
 }  // namespace hydroscope

@@ -13,8 +13,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr const char* kSize = "k";  ///< name of the size of every effect written on the page
-
 bool IsName(const std::string& text) {
   const auto fine = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   return !text.empty() && text.front() >= 'a' && text.front() <= 'z' &&
@@ -23,7 +21,7 @@ bool IsName(const std::string& text) {
 
 /// A message of the machine file's parser without the place in the file, which nobody sees here.
 std::string WithoutEffectsPlace(const std::string& message) {
-  const std::string key = fmt::format("{}: ", kSize);
+  const std::string key = fmt::format("{}: ", kOwnEffectSize);
   const std::size_t at = message.find("[effect"), after = message.find(key, at);
   return at == message.npos || after == message.npos ? message : message.substr(after + key.size());
 }
@@ -32,6 +30,13 @@ Error WithoutEffectsPlace(const Error& error) {
 }
 
 }  // namespace
+
+Status CheckOwnEffectId(const std::string& id) {
+  if (IsName(id)) return {};
+  return BadInput(
+      Tell("id: found '{}', expected small letters, digits and _, a letter first",
+           "Name: gefunden '{}', erwartet: kleine Buchstaben, Ziffern und _, zuerst ein Buchstabe", id));
+}
 
 Result<OwnEffect> ParseOwnEffect(const std::string& body) {
   OwnEffect effect;
@@ -45,10 +50,7 @@ Result<OwnEffect> ParseOwnEffect(const std::string& body) {
     if (!json[key].is_boolean()) return BadInput("{}: expected true or false", key);
     *flag = json[key].get<bool>();
   }
-  if (!IsName(effect.id))
-    return BadInput(Tell(
-        "id: found '{}', expected small letters, digits and _, a letter first",
-        "Name: gefunden '{}', erwartet: kleine Buchstaben, Ziffern und _, zuerst ein Buchstabe", effect.id));
+  TRY(CheckOwnEffectId(effect.id));
   if (!IsPlain(effect.expression) || effect.expression.find_first_not_of(' ') == std::string::npos)
     return BadInput(Tell("expression: expected up to {} characters without quotes, such as p*sign(ddt(x))",
                          "Ausdruck: erwartet: bis zu {} Zeichen ohne Anführungszeichen, etwa p*sign(ddt(x))",
@@ -63,7 +65,7 @@ Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffe
   std::string text = machine_text;
   if (!text.ends_with('\n')) text += '\n';
   text += fmt::format("\n[[effect]]\nid = \"{}\"\ndescription = \"{}\"\nterms = {{ {} = \"{}\" }}\n",
-                      effect.id, effect.id, kSize, effect.expression);
+                      effect.id, effect.id, kOwnEffectSize, effect.expression);
   if (!effect.unit.empty()) text += fmt::format("unit = \"{}\"\n", effect.unit);
   if (effect.not_negative) text += "min = 0\n";
   const auto machine = ParseMachine(text, "machine file");

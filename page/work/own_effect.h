@@ -17,6 +17,11 @@ struct OwnEffect {
 /// Of {"id", "expression", "unit", "not_negative", "keep"}. Errors as ParseWorkRequest.
 Result<OwnEffect> ParseOwnEffect(const std::string& body);
 
+/// Name of the size of every effect written on the page.
+inline constexpr const char* kOwnEffectSize = "k";
+/// Error: an effect cannot be called so.
+Status CheckOwnEffectId(const std::string& id);
+
 /// The text of a machine file with the effect in its library. Error: what is wrong with the expression, with a mark
 /// under the place.
 Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffect& effect);

@@ -1,5 +1,6 @@
 #include "page/work/term_course.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "core/json_value.h"
@@ -59,9 +60,29 @@ std::shared_ptr<const TermStroke> TermStroke::Of(const CompareResult& compared,
   const LogStrokes& log = all ? *all : compared.log;
   const std::size_t worst = compared.WorstStroke();
   if (worst >= log.stretches.size()) return nullptr;
+  return Of(log, worst, compared.per_stroke[worst].stroke);
+}
+
+std::shared_ptr<const TermStroke> TermStroke::Of(const std::string& log, const Machine& machine) {
+  Machine every = machine;
+  every.user_effects = {OfEverySignal(machine)};
+  const auto read = ReadStrokes(log, every, KeepSamples::kYes);
+  if (!read || read->stretches.empty()) return nullptr;
+  const auto samples = [](const StrokeStretches& stretches) {
+    std::int64_t sum = 0;
+    for (const Stretch& stretch : stretches) sum += stretch.samples;
+    return sum;
+  };
+  const auto longest = std::ranges::max_element(read->stretches, {}, samples);
+  const auto at = static_cast<std::size_t>(longest - read->stretches.begin());
+  return Of(*read, at, static_cast<std::int64_t>(at));
+}
+
+std::shared_ptr<const TermStroke> TermStroke::Of(const LogStrokes& log, std::size_t stroke,
+                                                 std::int64_t number) {
   auto kept = std::make_shared<TermStroke>();
-  kept->stroke_ = compared.per_stroke[worst].stroke;
-  kept->stretches_ = log.stretches[worst];
+  kept->stroke_ = number;
+  kept->stretches_ = log.stretches[stroke];
   kept->model_ = log.model;
   kept->block_ = log.window.block;
   return kept;

@@ -177,6 +177,7 @@ void WorkSession::StartOver() {
   machine_.Forget();
   measured_.clear();
   draft_.clear();
+  own_draft_.Forget();
   asked_ = nullptr;
   mapped_ = false;
   columns_.reset();
@@ -205,18 +206,17 @@ Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping, nlohma
   columns_ = columns;
   asked_ = std::move(asked);
   draft_ = proposal.text;
+  own_draft_.Take(proposal.machine);
   draft_name_ = proposal.machine.name + ".toml";
   pictures_.clear();
   return json;
 }
 
 Status WorkSession::AcceptProposal() {
-  std::string text, name;
-  {
+  const auto [text, name] = [this] {
     const std::lock_guard lock(mutex_);
-    text = draft_;
-    name = draft_name_;
-  }
+    return std::pair(draft_, draft_name_);
+  }();
   if (text.empty()) return BadInput(Told("there is no proposal yet", "es gibt noch keinen Vorschlag"));
   TRY(TakeMachine(name, text));
   const std::lock_guard lock(mutex_);
@@ -300,15 +300,19 @@ Status WorkSession::DrawLog(const std::string& name) {
   const auto machine = TRY(MachineOrDraft());
   LogFile log;
   int generation = 0;
+  std::string draft;
   {
     const std::lock_guard lock(mutex_);
+    if (machine_.empty()) draft = own_draft_.text();
     for (const LogFile& known : logs_)
       if (log.path.empty() && (name.empty() || name == known.name)) log = known;
     generation = generation_;
   }
   if (log.path.empty()) return BadInput(Tell("there is no log {}", "es gibt kein Log {}", name));
   auto picture = TRY(LogPictureJson(log.path, machine));
+  auto stroke = draft.empty() ? nullptr : TermStroke::Of(log.path, machine);
   const std::lock_guard lock(mutex_);
+  own_draft_.Draw(draft, std::move(stroke));
   if (generation == generation_) pictures_[name] = std::move(picture);
   return {};
 }
@@ -341,7 +345,7 @@ Result<Machine> WorkSession::MachineOrDraft() const {
   {
     const std::lock_guard lock(mutex_);
     file = machine_.file();
-    draft = draft_;
+    draft = own_draft_.text().empty() ? draft_ : own_draft_.text();
   }
   return file.empty() ? ParseMachine(draft, "proposal") : LoadMachine(file);
 }
@@ -453,6 +457,7 @@ nlohmann::json WorkSession::Effects() const {
 
 Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
+  if (machine_.empty() && !effect.keep && !own_draft_.text().empty()) return own_draft_.Look(effect);
   if (machine_.empty()) return BadInput(kNoMachineFile);
   const auto text = TRY(WithOwnEffect(machine_.Text(), effect));
   if (!effect.keep) {

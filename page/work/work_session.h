@@ -14,6 +14,7 @@
 #include "page/work/job_queue.h"
 #include "page/work/machine_copy.h"
 #include "page/work/measured_effect.h"
+#include "page/work/own_draft.h"
 #include "page/work/own_effect.h"
 #include "page/work/scratch_folder.h"
 #include "page/work/stored_strokes.h"
@@ -140,6 +141,7 @@ class WorkSession {
   std::map<std::string, MeasuredSize> measured_;  ///< by effect
   std::shared_ptr<const LogColumns> columns_;
   std::string draft_, draft_name_;  ///< text of the last proposal
+  OwnDraft own_draft_;              ///< of it
   nlohmann::json asked_;            ///< what it was asked for with
   bool mapped_ = false;             ///< the machine file worked on came of it
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped

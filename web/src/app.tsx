@@ -3,9 +3,12 @@ import { post } from "./api";
 import { Audit } from "./access/audit";
 import { Account, Login } from "./access/login";
 import { Start } from "./start/start";
-import { Mapping } from "./start/mapping";
+import { FirstRun } from "./start/mapping";
+import { OwnMachine } from "./start/own_machine";
+import { ownTyped } from "./start/proposal";
 import { refresh, useStore } from "./store";
 import { applyTheme, firstTheme, type Theme } from "./theme";
+import { forgetTyped } from "./typed";
 import { UnitMenu } from "./unit_menu";
 import { firstUnits, showUnitsIn, writeNumbersIn, type ChosenUnits } from "./units";
 import { useUrl } from "./url_state";
@@ -35,6 +38,7 @@ function Header({ language, setLanguage, units, setUnits }: Looks) {
     if (!confirm(say("startOverSure"))) return;
     await post("start_over");
     location.hash = "";
+    forgetTyped(ownTyped);
     await refresh();
   };
   return (
@@ -77,7 +81,7 @@ export function App() {
   const [units, setUnits] = useState(firstUnits);
   const { session, connected, locked } = useStore();
   const view = useView();
-  const [{ step, effect }] = useUrl();
+  const [{ step, effect, page }] = useUrl();
   const say = useMemo(() => sayIn(language), [language]);
   writeNumbersIn(language);
   showUnitsIn(units);
@@ -86,7 +90,7 @@ export function App() {
     localStorage.setItem("language", language);
     document.documentElement.lang = language;
   }, [language]);
-  useEffect(() => scrollTo(0, 0), [view, step, effect]);  // what is looked at now begins at the top
+  useEffect(() => scrollTo(0, 0), [view, step, effect, page]);  // what is looked at now begins at the top
   return (
     <LanguageContext.Provider value={language}><WordsContext.Provider value={say}>
       <Header {...{ language, setLanguage, units, setUnits }} />
@@ -97,8 +101,8 @@ export function App() {
           : view === "login" ? <Login />
           : view === "audit" ? <Audit />
           : view !== "workbench" ? <Watch view={view} />
-          : session.logs.length === 0 ? <Start />
-          : session.machine === null ? <Mapping />
+          : session.logs.length === 0 ? (page === "own" && session.changes ? <OwnMachine first={null} /> : <Start />)
+          : session.machine === null ? <FirstRun />
           : <CountedIn of={session.machine.counted}><Workbench session={session} /></CountedIn>}
       </main>
       <Working />

@@ -1,23 +1,13 @@
 // The program names effects by their ids, as machine files, the journal and SCADA have them; people read their titles.
 
 import type { Language } from "./words";
-import { de } from "./words/de";
-import { en } from "./words/en";
 
 export interface Titled { id: string; title: string; german?: { title: string } | null }
 
 const known = new Map<string, Titled>();
 
-/** Those that a proposal writes into the file of a machine of one's own, where there is no German. */
-const proposed = { coulomb_friction: "effectCoulomb", viscous_friction: "effectViscous", pressure_friction: "effectPressure" } as const;
-
-export function withGerman<T extends Titled>(effect: T): T {
-  const key = proposed[effect.id as keyof typeof proposed];
-  return key && effect.title === en[key] && !effect.german?.title ? { ...effect, german: { ...effect.german, title: de[key] } } : effect;
-}
-
 export function knowEffects(effects: Titled[]): void {
-  for (const effect of effects) if (effect.title) known.set(effect.id, withGerman(effect));
+  for (const effect of effects) if (effect.title) known.set(effect.id, effect);
 }
 
 export const isEffect = (text: string) => known.has(text);

@@ -1,7 +1,7 @@
 // What the page knows: the session of work and the results for the version of the model in force.
 
 import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./api";
-import { knowEffects, withGerman } from "./effect_titles";
+import { knowEffects } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
 import { Outside } from "./outside";
 import { shareOfVariation } from "./units";
@@ -101,7 +101,7 @@ export async function refresh(): Promise<void> {
   for (const kind of session.machine.valve_alone ? ofAnyLog : kinds) void workOut(kind, session.machine.version);
   const { effects } = await get<{ effects: Effect[] }>("effects");
   knowEffects(effects);
-  set({ effects: effects.map(withGerman) });
+  set({ effects });
 }
 
 type Hearer = (event: Record<string, unknown>) => void;

@@ -5,6 +5,8 @@ import { useState } from "preact/hooks";
 /** As if a person had typed it. */
 export const type = (name: string, text: string): void => sessionStorage.setItem(`typed ${name}`, text);
 
+export const forgetTyped = (name: string): void => sessionStorage.removeItem(`typed ${name}`);
+
 /** Text of a field that is called `name`, and how it is changed; "" where nothing is typed begins with `first`. */
 export function useTyped(name: string, first = ""): [string, (text: string) => void] {
   const key = `typed ${name}`;

@@ -192,12 +192,13 @@ export interface KnownSize {
 }
 /** Of a machine of one's own: the output is the sum of its terms, each a parameter times an expression over the signals. */
 export interface Balance { output: string; terms: { name: string; expression: string }[] }
+export interface WrittenEffect { id: string; expression: string; not_negative: boolean }
 export interface ProposalRequest {
-  model?: string; balance?: Balance; columns?: { column: string; signal: string; unit: string }[]; geometry?: Record<string, number>; gate?: GateBound[];
+  model?: string; balance?: Balance; effects?: WrittenEffect[]; columns?: { column: string; signal: string; unit: string }[]; geometry?: Record<string, number>; gate?: GateBound[];
 }
 export interface Proposal {
   machine: string; model: string; title: string; german?: { title: string; decided: string[]; open: string[] }; picture: Picture; pins: Pin[]; columns: LogColumn[];
-  kinds: { id: string; title: string; german?: { title: string } }[]; geometry: KnownSize[]; balance: Balance | null;
+  kinds: { id: string; title: string; german?: { title: string }; own: boolean }[]; geometry: KnownSize[]; balance: Balance | null; effects: WrittenEffect[] | null;
   gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
   /** Why the machine file cannot be used yet. */
   problem: Failure | null;

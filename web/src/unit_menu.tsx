@@ -1,11 +1,18 @@
+import { useEffect, useRef } from "preact/hooks";
 import { quantities, unitChoices, type ChosenUnits } from "./units";
 import { useWords } from "./words";
 
 /** In which units numbers are shown; kept on this computer. */
 export function UnitMenu({ units, choose }: { units: ChosenUnits; choose: (units: ChosenUnits) => void }) {
   const say = useWords();
+  const menu = useRef<HTMLDetailsElement>(null);
+  useEffect(() => {  // over what is looked at next it would lie in the way
+    const close = () => { if (menu.current) menu.current.open = false; };
+    addEventListener("hashchange", close);
+    return () => removeEventListener("hashchange", close);
+  }, []);
   return (
-    <details class="unit-menu" onKeyDown={(e) => { if (e.key === "Escape") e.currentTarget.open = false; }}
+    <details ref={menu} class="unit-menu" onKeyDown={(e) => { if (e.key === "Escape") e.currentTarget.open = false; }}
       onFocusOut={(e) => { if (!e.currentTarget.contains(e.relatedTarget as Node | null)) e.currentTarget.open = false; }}>
       <summary>{say("units")}</summary>
       <div>

@@ -108,11 +108,11 @@ export const grouped = (count: number) => count.toLocaleString(comma ? "de" : "e
 
 const written = (number: string) => (comma ? number.replace(".", ",") : number);
 
-/** "12345", "0.0123", "4.51e-12": as commands write it (core/short_number.h). */
+/** "12345", "0.0123", "4.51e-12": as commands write it (core/short_number.h), but for millions. */
 export function short(value: number | null | undefined, digits = 3): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-4 || size >= 1e6)) {
+  if (size !== 0 && (size < 1e-4 || size >= 1e7)) {
     const [figures, power] = value.toExponential(digits - 1).split("e");
     return written(`${Number(figures)}e${Number(power)}`);
   }

@@ -85,10 +85,8 @@ std::string EffectText(const MachineKind& kind, const Effect& e) {
   return text;
 }
 
-/// null of an effect of users' own.
 nlohmann::json GermanJson(const Effect& effect) {
   const Effect::German& german = effect.german;
-  if (german.title.empty()) return {};
   return {{"title", german.title},
           {"plain", german.plain},
           {"told_apart_by", german.told_apart_by},

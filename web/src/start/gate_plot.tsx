@@ -3,7 +3,9 @@ import { Plot, pageColor, type PlotView } from "../plot";
 import type { GateBound, GateCourse, LogPicture } from "../types";
 import { short } from "../units";
 import { useWords } from "../words";
-import { boundName, boundUnit } from "./gate_thresholds";
+import { LogView } from "../log_view";
+import { boundName, boundUnit, GateThresholds } from "./gate_thresholds";
+import type { ProposalWork } from "./proposal";
 
 const near = 10;  // pixels around a threshold in which it is taken hold of
 
@@ -61,5 +63,19 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
         lines={[{ label: `${what}, ${words}`, color, width: 1 }, { label: "", color, width: 1, hidden: true }]} bands={[{ high: 1, low: 0, color }]}
         xLabel={`${say("time")} (s)`} yLabel={unit.name} />
     </div>
+  );
+}
+
+/** The log with what the gate lets through, and its conditions. */
+export function GateOfLog({ first: { picture, proposal, setGate } }: { first: ProposalWork }) {
+  const say = useWords();
+  if (!picture || !proposal) return null;
+  return (
+    <>
+      <LogView picture={picture} />
+      <p class="quiet">{say("gateDrag")}</p>
+      <GatePlots picture={picture} bounds={proposal.gate} set={setGate} />
+      <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={setGate} />
+    </>
   );
 }

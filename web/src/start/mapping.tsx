@@ -1,132 +1,59 @@
-import { useCallback, useEffect, useRef, useState } from "preact/hooks";
-import { find, post } from "../api";
-import { failureOf, Problem, type Failure } from "../failure";
-import { LogView } from "../log_view";
-import { refresh, useStore, work } from "../store";
-import type { GateBound, LogPicture, Pin, Proposal, ProposalRequest } from "../types";
+import { useState } from "preact/hooks";
+import { Problem } from "../failure";
 import { Told, ToldList, useTold } from "../told";
+import type { Pin, Proposal } from "../types";
 import { amount, printedUnit, short, shownNumber, withUnit } from "../units";
+import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { Area } from "./area";
-import { BalanceEditor } from "./balance";
-import { GatePlots } from "./gate_plot";
-import { GateThresholds } from "./gate_thresholds";
+import { BalanceFormula } from "./balance";
+import { Columns } from "./columns";
+import { GateOfLog } from "./gate_plot";
 import { MachinePicture, type Reading } from "./machine_picture";
-import { isOdd, Sizes, sizeText } from "./sizes";
-import { Thumbnail } from "./thumbnail";
+import { OwnMachine } from "./own_machine";
+import { useProposal, type ProposalWork } from "./proposal";
+import { Readiness } from "./readiness";
+import { Sizes } from "./sizes";
 
 const slowest = 50;  // rows a second below which valves and pressures are not seen
-const fewMissing = 4;  // that are named; of more their number is told
 
 export function duration(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "?";
   return seconds < 120 ? withUnit(short(seconds), "s") : seconds < 7200 ? withUnit(short(seconds / 60), "min") : withUnit(short(seconds / 3600), "h");
 }
 
-/** The pins with one of them changed; a column is on one pin only. */
-const moved = (pins: Pin[], signal: string, column: string, unit: string): Pin[] =>
-  pins.map((pin) => pin.signal === signal ? { ...pin, column, unit } : pin.column === column ? { ...pin, column: null } : pin);
+export const stateOf = (pin: Pin): Reading["state"] => (!pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check");
 
-/** A unit that was read from the log is read from it again: only one that was chosen is said. */
-const columnsOf = (pins: Pin[], chosen: Record<string, string>): ProposalRequest["columns"] =>
-  pins.filter((pin) => pin.column).map((pin) => ({ column: pin.column!, signal: pin.signal, unit: chosen[placeOf(pin.signal, pin.column!)] ?? "" }));
+/** What `init` proposes, to be looked at and put right: sensors, or the balance of a machine of one's own on a page of its own. */
+export function FirstRun() {
+  const say = useWords();
+  const first = useProposal();
+  const [{ page }] = useUrl();
+  if (!first.proposal) return first.problem ? <Problem of={first.problem} /> : <p class="empty">{say("loading")}</p>;
+  return page === "own" ? <OwnMachine first={first} /> : <Mapping first={first} />;
+}
 
-const placeOf = (signal: string, column: string) => `${signal} ← ${column}`;
-
-const stateOf = (pin: Pin): Reading["state"] => (!pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check");
-
-/** What `init` proposes, to be looked at and put right. */
-export function Mapping() {
+function Mapping({ first }: { first: ProposalWork }) {
   const say = useWords(), tell = useTold();
-  const { session } = useStore();
-  const [proposal, setProposal] = useState<Proposal | null>(null);
-  const [awaited, setAwaited] = useState<string | null>(null);  // the kind of machine whose proposal is not here yet
-  const [picture, setPicture] = useState<LogPicture | null>(null);
-  const [problem, setProblem] = useState<Failure | null>(null);
-  const asked = useRef<ProposalRequest>(session?.mapping ?? {});
-  const chosenUnits = useRef<Record<string, string>>(Object.fromEntries((asked.current.columns ?? []).map(({ signal, column, unit }) => [placeOf(signal, column), unit])));
-  const latest = useRef(0);
-  const [answered, setAnswered] = useState(0);
-
-  /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. False: it failed. */
-  const propose = useCallback(async (change: ProposalRequest, shown: Partial<Proposal> = {}): Promise<boolean> => {
-    asked.current = { ...asked.current, ...change };
-    setProposal((before) => before && { ...before, ...shown });
-    const turn = ++latest.current;
-    try {
-      const answer = await post<Proposal>("proposal", asked.current);
-      if (turn !== latest.current) return true;
-      setProposal(answer);
-      setAwaited(null);
-      setAnswered(turn);
-      setProblem(null);
-      if (answer.problem) setPicture(null);
-      else {
-        await work("picture");
-        const drawn = await find<LogPicture>("results", { kind: "picture" });
-        if (turn === latest.current) setPicture(drawn);
-      }
-    } catch (caught) {
-      if (turn !== latest.current) return true;
-      setProblem(failureOf(caught));
-      setAwaited(null);
-      return false;
-    }
-    return true;
-  }, []);
-  useEffect(() => void propose({}), [session?.logs.length]);
-
-  if (!proposal) return problem ? <Problem of={problem} /> : <p class="empty">{say("loading")}</p>;
-  const put = (signal: string, column: string, unit = "") => {
-    const pins = moved(proposal.pins, signal, column, unit);
-    if (unit) chosenUnits.current[placeOf(signal, column)] = unit;
-    void propose({ model: proposal.model, columns: columnsOf(pins, chosenUnits.current) }, { pins });
-  };
-  const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
-  const takeKind = async (model: string) => {
-    const before = [asked.current, chosenUnits.current] as const;
-    asked.current = {};  // what was said of another machine
-    chosenUnits.current = {};
-    setAwaited(model);
-    setPicture(null);
-    if (!await propose({ model })) [asked.current, chosenUnits.current] = before;
-  };
-  const setGeometry = (name: string, value: number | null) => {
-    const geometry = { ...asked.current.geometry };
-    if (value === null) delete geometry[name]; else geometry[name] = value;
-    void propose({ geometry });
-  };
-  const accept = async () => {
-    await post("accept");
-    location.hash = "step=check";
-    await refresh();
+  const [, setUrl] = useUrl();
+  const { awaited, problem, put, setGeometry } = first, proposal = first.proposal!;
+  const takeKind = (model: string) => {
+    if (proposal.kinds.find((kind) => kind.id === model)?.own) setUrl({ page: "own" });
+    void first.takeKind(model);
   };
   const rate = proposal.duration_s ? (proposal.rows - 1) / proposal.duration_s : null, slow = rate !== null && rate < slowest;
-  const missing = [...proposal.pins.filter((pin) => pin.required && !pin.column).map((pin) => ({ ...pin, name: pin.signal })),
-    ...proposal.geometry.filter((known) => known.required && known.value === null)];
-  const odd = proposal.geometry.find((known) => isOdd(known, known.value));
   const areas = proposal.geometry.filter((known) => known.si === "m2" && known.required);
   return (
     <section class="mapping">
       <h1>{say("mapTitle")}</h1>
-      <p class="kind"><label>{say("mapKind")} <select name="kind" value={awaited ?? proposal.model} onChange={(e) => void takeKind(e.currentTarget.value)}>
+      <p class="kind"><label>{say("mapKind")} <select name="kind" value={awaited ?? proposal.model} onChange={(e) => takeKind(e.currentTarget.value)}>
         {proposal.kinds.map((kind) => <option key={kind.id} value={kind.id}>{tell(kind, "title").text}</option>)}
-      </select></label> <span class="quiet">{say(asked.current.model ? "mapChosen" : "mapRecognised")}</span></p>
+      </select></label> <span class="quiet">{say(first.chosen ? "mapChosen" : "mapRecognised")}</span></p>
       <p>{say("mapText")}</p>
       <div class="two">
         <div>
           <h2>{say("mapColumns")}</h2>
-          <ul class="columns" tabIndex={0} aria-label={say("mapColumns")}>
-            {proposal.columns.map((column) => (
-              <li key={column.column} draggable={column.numeric} class={column.signal ? "used" : "free"}
-                onDragStart={(e) => e.dataTransfer?.setData("text/plain", column.column)}>
-                <span class="name">{column.name}{column.unit && <small> {printedUnit(column.unit)}</small>}</span>
-                <Thumbnail thumbnail={column.thumbnail} />
-                <span class="range">{column.numeric ? `${short(column.low)} … ${short(column.high)}` : "–"}</span>
-                <span class="role">{awaited ? "" : column.signal ? say("mapUsedAs", { signal: column.signal }) : say("mapUnused")}</span>
-              </li>
-            ))}
-          </ul>
+          <Columns proposal={proposal} awaited={awaited !== null} />
         </div>
         <div>
           <h2>{say("mapSensors")}</h2>
@@ -141,30 +68,21 @@ export function Mapping() {
             {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
             {areas.map((area) => <Area key={`${proposal.model} ${area.name}`} known={area} set={(value) => setGeometry(area.name, value)} />)}
             <Sizes key={proposal.model} sizes={proposal.geometry.filter((known) => !areas.includes(known))} set={setGeometry} />
-            {proposal.balance && <BalanceEditor key={proposal.model} proposed={proposal.balance} signals={proposal.pins.filter((pin) => pin.signal !== "time").map((pin) => pin.signal)}
-              problem={proposal.problem} set={(balance) => void propose({ model: proposal.model, balance })} />}
+            {proposal.balance && <fieldset class="balance">
+              <legend>{say("balanceTitle")}</legend>
+              <BalanceFormula balance={proposal.balance} />
+              <button onClick={() => setUrl({ page: "own" })}>{say("ownMachineGo")}</button>
+            </fieldset>}
           </>}
         </div>
       </div>
-      {picture && <>
-        <LogView picture={picture} />
-        <p class="quiet">{say("gateDrag")}</p>
-        <GatePlots picture={picture} bounds={proposal.gate} set={setGate} />
-        <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={setGate} />
-      </>}
+      <GateOfLog first={first} />
       <Problem of={problem} />
       {!awaited && <>
         <details><summary>{say("mapDecided")}</summary>
           <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
         <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
-        <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
-          {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
-            : !proposal.problem ? say("mapReady")
-            : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
-            : proposal.balance?.output === "" ? say("balanceNeeded")
-            : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
-        </p>
-        <button class="primary" disabled={proposal.problem !== null || odd !== undefined || answered !== latest.current} onClick={() => void accept()}>{say("mapGo")}</button>
+        <Readiness first={first} />
       </>}
     </section>
   );
@@ -173,7 +91,7 @@ export function Mapping() {
 /** As people write them; of two spellings of one unit the last. */
 const unitsByName = (units: string[]) => new Map(units.map((unit) => [printedUnit(unit), unit]));
 
-function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
+export function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
   const say = useWords();
   const [over, setOver] = useState(false);
   const state = stateOf(pin);

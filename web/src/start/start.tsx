@@ -2,15 +2,12 @@ import { useRef, useState } from "preact/hooks";
 import { upload } from "../api";
 import { failureOf, Problem, type Failure } from "../failure";
 import { refresh, useStore, work } from "../store";
+import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
 
-/** The first thing one sees: a place to drop a log, and examples. */
-export function Start() {
-  const say = useWords();
-  const { session } = useStore();
-  const chooser = useRef<HTMLInputElement>(null);
-  const [over, setOver] = useState(false);
+/** What one tries, and what failed of it. */
+function useTaken() {
   const [busy, setBusy] = useState("");
   const [problem, setProblem] = useState<Failure | null>(null);
 
@@ -25,28 +22,52 @@ export function Start() {
     }
     setBusy("");
   };
+  return { busy, problem, attempt };
+}
+
+/** A place to drop a log, or to choose one. */
+export function DropLogs({ text }: { text: string }) {
+  const say = useWords();
+  const chooser = useRef<HTMLInputElement>(null);
+  const [over, setOver] = useState(false);
+  const { busy, problem, attempt } = useTaken();
   const take = async (files: File[]) => {
     // the machine file first: the log then goes straight to the workbench
     const order = [...files].sort((a, b) => Number(b.name.endsWith(".toml")) - Number(a.name.endsWith(".toml")));
     for (const file of order)
       await attempt(say("uploading", { name: file.name }), () => upload(file.name.endsWith(".toml") ? "machine" : "logs", file));
   };
-  if (session && !session.changes) return <section class="start"><h1>{say("startTitle")}</h1><p>{session.user ? say("onlyView") : say("loginToAct")}</p></section>;
   return (
-    <section class="start">
-      <h1>{say("startTitle")}</h1>
-      {session?.watched && <p>{say("startFromAlarm")}</p>}
+    <>
       <div class={over ? "drop over" : "drop"}
         onDragOver={(e) => { e.preventDefault(); setOver(true); }}
         onDragLeave={() => setOver(false)}
         onDrop={(e) => { e.preventDefault(); setOver(false); void take([...(e.dataTransfer?.files ?? [])]); }}>
         <p class="big">{say("startDrop")}</p>
-        <p>{say("startText")}</p>
+        <p>{text}</p>
         <button class="primary" onClick={() => chooser.current?.click()} disabled={busy !== ""}>{say("startChoose")}</button>
         <input ref={chooser} type="file" multiple hidden aria-label={say("startChoose")} accept=".csv,.gz,.txt,.dat,.mat,.toml"
           onChange={(e) => void take([...(e.currentTarget.files ?? [])])} />
         <p class="quiet">{say("startMachine")}</p>
       </div>
+      {busy && <p role="status" class="busy">{busy}</p>}
+      <Problem of={problem} />
+    </>
+  );
+}
+
+/** The first thing one sees: a place to drop a log, and examples. */
+export function Start() {
+  const say = useWords();
+  const { session } = useStore();
+  const { busy, problem, attempt } = useTaken();
+  const [, setUrl] = useUrl();
+  if (session && !session.changes) return <section class="start"><h1>{say("startTitle")}</h1><p>{session.user ? say("onlyView") : say("loginToAct")}</p></section>;
+  return (
+    <section class="start">
+      <h1>{say("startTitle")}</h1>
+      {session?.watched && <p>{say("startFromAlarm")}</p>}
+      <DropLogs text={say("startText")} />
       {busy && <p role="status" class="busy">{busy}</p>}
       <Problem of={problem} />
       {(session?.examples.length ?? 0) > 0 && <h2>{say("startExamples")}</h2>}
@@ -57,6 +78,7 @@ export function Start() {
           </button>
         ))}
       </div>
+      <p>{say("ownMachineOffer")} <button class="link" onClick={() => setUrl({ page: "own" })}>{say("ownMachineGo")}</button></p>
     </section>
   );
 }

@@ -7,7 +7,7 @@ import { useUrl } from "../url_state";
 import { WholeNumber } from "../whole_number";
 import { Told } from "../told";
 import { useWords } from "../words";
-import { dateText, isDate, symbolOf } from "./shown";
+import { byFinger, dateText, isDate, symbolOf } from "./shown";
 import { placeOf } from "./trend_axis";
 import { TrendPlot } from "./trend_plot";
 import { useTrends } from "./trends";
@@ -51,7 +51,7 @@ export function Learn({ overview }: { overview: Overview }) {
       </div>
       <Problem of={overview.problem ? null : problem} />
       <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} ahead={ahead} height={260} />}</div>
-      <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say("trendKeys")}</p>
+      <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say(byFinger() ? "learnFingers" : "trendKeys")}</p>
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />
         : <p class="empty">{session?.user ? say("onlyViewLearn") : say("loginToAct")}</p>}
       {references.length > 0 && <section class="marks"><h2>{say("learnedSoFar")}</h2><ul>

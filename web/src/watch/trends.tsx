@@ -8,7 +8,7 @@ import { Told } from "../told";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
 import { OilPlot } from "./oil_plot";
-import { celsius, dateText, download, inUnit, isDate, symbolOf } from "./shown";
+import { byFinger, celsius, dateText, download, inUnit, isDate, symbolOf } from "./shown";
 import { placeOf, type AxisKind } from "./trend_axis";
 import { TrendPlot } from "./trend_plot";
 import { markColors } from "./trend_view";
@@ -151,7 +151,7 @@ export function Trends({ overview }: { overview: Overview }) {
         {axis !== "oil" && <><span><i class="key-mean" />{say("keyMean")}</span><span><i class="key-band" />{say("keyBand")}</span><span><i class="key-range" />{say("keyRange")}</span></>}
         {trends.some((t) => t.healthy) && <span><i class="key-healthy" />{say("keyHealthy")}</span>}
       </p>
-      {axis !== "oil" && <p class="quiet">{say("trendKeys")}</p>}
+      {axis !== "oil" && <p class="quiet">{say(byFinger() ? "trendFingers" : "trendKeys")}</p>}
       {marks.length > 0 && <section class="marks"><h2>{say("marks")}</h2><ul>
         {marks.slice(0, 30).map((mark) => (
           <li key={`${mark.kind}${mark.stroke}${mark.name}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}

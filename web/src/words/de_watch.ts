@@ -49,6 +49,8 @@ export const deWatch: typeof enWatch = {
   newestStrokes: "Neueste {count}",
   strokesOf: "<Hübe|Episoden> {from} bis {to} von {count}",
   trendGlance: "ein erster Blick; tiefste und höchste Werte werden gesammelt",
+  trendFingers: "Antippen zeigt Werte; die Knöpfe ◀ ▶ verschieben, + und − zoomen.",
+  learnFingers: "Antippen zeigt Werte; welche Hübe angesehen werden, steht oben als Zahlen.",
   trendKeys: "Ziehen oder Strg und Rad zoomt, Umschalt und Rad verschiebt; Tasten: Pfeile, +, −, 0 für alles.",
   keyMean: "Mittel",
   keyBand: "95-%-Intervall",

@@ -47,6 +47,8 @@ export const enWatch = {
   newestStrokes: "Newest {count}",
   strokesOf: "<Strokes|Episodes> {from} to {to} of {count}",
   trendGlance: "a first look; lowest and highest values are being collected",
+  trendFingers: "Tap to read values; the buttons ◀ ▶ move, + and − zoom.",
+  learnFingers: "Tap to read values; which strokes are looked at is written above as numbers.",
   trendKeys: "Drag to zoom, Ctrl and wheel to zoom, Shift and wheel to pan; keys: arrows, +, −, 0 for all.",
   keyMean: "mean",
   keyBand: "95 % interval",
