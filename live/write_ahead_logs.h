@@ -12,10 +12,12 @@ namespace hydroscope {
 /// where one stands. Only closing the database, which writes all into it, and opening it again brings both together.
 class WriteAheadLogs {
  public:
+  /// The databases are open already, as far as they exist.
   explicit WriteAheadLogs(const std::vector<std::string>& databases) {
     for (const std::string& database : databases)
       for (const char* ending : {"-wal", "-shm"})
-        files_.push_back({database, database + ending, FileIdentity::Of(database), {}});
+        files_.push_back(
+            {database, database + ending, FileIdentity::Of(database), FileIdentity::Of(database + ending)});
   }
 
   /// One that is no longer the file it was beside the same database; "" if there is none.

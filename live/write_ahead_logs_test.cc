@@ -15,9 +15,10 @@ TEST(WriteAheadLogs, OneThatIsDeletedUnderAnOpenDatabaseIsNamed) {
   auto database = Database::Open(path);
   ASSERT_TRUE(database) << database.error().text;
   ASSERT_TRUE(database->MachineId("press"));
-  WriteAheadLogs logs({path});
+  WriteAheadLogs logs({path}), not_asked_before({path});
   EXPECT_EQ(logs.Gone(), "");
   std::filesystem::remove(path + "-wal");
+  EXPECT_EQ(not_asked_before.Gone(), path + "-wal");
   EXPECT_EQ(logs.Gone(), path + "-wal");
   std::filesystem::remove(path);
   EXPECT_EQ(logs.Gone(), "") << "the database itself is gone, which others tell";
