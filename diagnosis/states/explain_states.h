@@ -40,6 +40,7 @@ struct ExplainStatesOptions {
   double drifts_share = 0.5;
   ScreeningOptions screening;
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
+  int laws_beside = 3;  ///< laws of general shape fitted beside the set found, those foreseen to gain most
   double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last
   double worth_a_fit = 0.5;   ///< of the gain that counts where nothing structured is left: less is not tried
   int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on

@@ -116,9 +116,6 @@ void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string&
   laws_.push_back(std::move(law));
 }
 
-constexpr std::size_t kBeside =
-    3;  ///< laws that are fitted beside a set, those that are foreseen to gain most
-
 /// The equations that an effect adds to.
 std::vector<std::string> EquationsOf(const Machine& machine, const std::string& effect) {
   const std::vector<Effect> library = StateEffectsOf(machine);
@@ -136,7 +133,7 @@ struct LawContender {
 
 /// The laws that are foreseen to gain most beside a set.
 std::vector<LawContender> ContendersBeside(const StateCandidate& set, const GeneralLaws& general,
-                                           const CandidateFits& fits, std::size_t most) {
+                                           const CandidateFits& fits, int most) {
   std::vector<LawContender> out;
   for (const GeneralLaw& law : general.laws()) {
     std::vector<std::string> added = set.added;
@@ -144,7 +141,7 @@ std::vector<LawContender> ContendersBeside(const StateCandidate& set, const Gene
     if (auto contender = fits.Screened(added, set)) out.push_back({std::move(*contender), &law});
   }
   std::ranges::stable_sort(out, {}, [](const LawContender& law) { return law.contender.foreseen; });
-  if (out.size() > most) out.erase(out.begin() + static_cast<std::ptrdiff_t>(most), out.end());
+  if (std::ssize(out) > most) out.erase(out.begin() + most, out.end());
   return out;
 }
 
@@ -181,7 +178,7 @@ std::optional<LawBeside> FindLawBeside(FoundSets& found) {
   std::optional<LawBeside> best;
   const GeneralLaws general(found.machine, equations, set.fit, found.episodes);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
-  for (const LawContender& beside : ContendersBeside(set, general, fits, kBeside)) {
+  for (const LawContender& beside : ContendersBeside(set, general, fits, found.options.laws_beside)) {
     const StateCandidate both = fits.Fitted(beside.contender);
     const double removed = set.held_out - both.held_out;
     if (both.fitted() && removed > (best ? best->removed : 0)) best = LawBeside{*beside.law, removed};
