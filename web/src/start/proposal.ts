@@ -22,7 +22,6 @@ const columnsOf = (pins: Pin[], chosen: Record<string, string>): ProposalRequest
 
 const placeOf = (signal: string, column: string) => `${signal} ← ${column}`;
 
-
 export type ProposalWork = ReturnType<typeof useProposal>;
 
 export function useProposal() {
@@ -40,7 +39,8 @@ export function useProposal() {
   const propose = useCallback(async (change: ProposalRequest, shown: Partial<Proposal> = {}): Promise<boolean> => {
     asked.current = { ...asked.current, ...change };
     setProposal((before) => before && { ...before, ...shown });
-    const turn = ++latest.current;
+    const turn = ++latest.current, keys = Object.keys(change);
+    if (keys.length === 0 || keys.some((key) => !writtenOnly.includes(key))) drawn.current = false;  // also if a later answer overtakes this one
     try {
       const answer = await post<Proposal>("proposal", asked.current);
       if (turn !== latest.current) return true;
@@ -48,8 +48,10 @@ export function useProposal() {
       setAwaited(null);
       setAnswered(turn);
       setProblem(null);
-      if (answer.problem && !answer.balance) setPicture(null);
-      else if (!drawn.current || Object.keys(change).some((key) => !writtenOnly.includes(key))) {
+      if (answer.problem && !answer.balance) {
+        drawn.current = false;
+        setPicture(null);
+      } else if (!drawn.current) {
         await work("picture");
         const picture = await find<LogPicture>("results", { kind: "picture" });
         if (turn === latest.current) { drawn.current = true; setPicture(picture); }
