@@ -22,7 +22,7 @@ constexpr std::array<const char*, 12> kCheckedTables = {
     "SELECT * FROM stroke ORDER BY run, stroke",
     "SELECT * FROM stroke_flag ORDER BY run, stroke, flag",
     "SELECT * FROM parameter ORDER BY id",
-    "SELECT * FROM estimate ORDER BY parameter, run, stroke",
+    "SELECT * FROM estimate ORDER BY run, stroke, parameter",
     "SELECT * FROM gram ORDER BY run, stroke",
     "SELECT * FROM gram_rollup ORDER BY machine, strokes, first_sequence",
     "SELECT * FROM raw_chunk ORDER BY id",

@@ -61,14 +61,9 @@ Status Database::FetchPages(std::int64_t run) {
     SQLite::Transaction one_snapshot(impl_->db);
     const auto row = TRY(impl_->FindRun(run));
     for (const char* newest :
-         {"SELECT max(stroke) FROM stroke WHERE run = ?", "SELECT max(stroke) FROM gram WHERE run = ?",
-          "SELECT max(first_s) FROM raw_chunk WHERE run = ?"})
+         {"SELECT max(stroke) FROM stroke WHERE run = ?", "SELECT max(stroke) FROM estimate WHERE run = ?",
+          "SELECT max(stroke) FROM gram WHERE run = ?", "SELECT max(first_s) FROM raw_chunk WHERE run = ?"})
       Query(*impl_, newest, run).Step();
-    Query parameters(*impl_, "SELECT id FROM parameter WHERE machine = ?", row.machine);
-    while (parameters.Step())
-      Query(*impl_, "SELECT max(stroke) FROM estimate WHERE parameter = ? AND run = ?", parameters.Int(0),
-            run)
-          .Step();
     return {};
   });
 }

@@ -114,10 +114,22 @@ TEST(LiveStore, PagesFetchedInAPauseAreNotReadByStrokes) {
   EXPECT_OK(presses.database.KeepPagesOf(Presses::kMachines));
   const auto checkpoint = [&] { EXPECT_OK(Value(Database::Open(folder.File())).Checkpoint()); };
   checkpoint();  // by another connection, as the service does
-  EXPECT_GT(presses.PagesOfNext(), 4 * Presses::kMachines) << "all is forgotten";
+  EXPECT_GT(presses.PagesOfNext(), 2 * Presses::kMachines) << "all is forgotten";
   checkpoint();
   for (const std::int64_t run : presses.runs) EXPECT_OK(presses.database.FetchPages(run));
   EXPECT_LT(presses.PagesOfNext(), Presses::kMachines) << "roots and what all machines share";
+}
+
+TEST(LiveStore, AStrokeIsWrittenToFewPagesHoweverLongTheHistory) {
+  const Folder folder;
+  Presses presses(folder.File(), 400);
+  EXPECT_OK(presses.database.LeaveCheckpointsToPauses());
+  const auto log_size = [&] { return std::filesystem::file_size(folder.File() + "-wal"); };
+  presses.PagesOfNext();
+  const auto before = log_size();
+  presses.PagesOfNext();
+  EXPECT_LT((log_size() - before) / 16384, 4 * Presses::kMachines)
+      << "its own and that of its estimates; of the indexes of Grams and raw rows";
 }
 
 TEST(LiveStore, CheckpointsLeftToPausesHappenInThem) {

@@ -211,9 +211,42 @@ INSERT INTO condition SELECT machine, version, 1, 'pressure', 'Pa' FROM model_ve
 INSERT INTO condition SELECT machine, version, 2, 'max_pressure', 'Pa' FROM model_version;
 )sql";
 
+/// Estimates in order of strokes: a stroke is stored and read as a whole, on one page in place of one of every parameter.
+constexpr const char* kVersion7 = R"sql(
+CREATE TABLE estimate_of_stroke(
+  run INTEGER NOT NULL,
+  stroke INTEGER NOT NULL,
+  parameter INTEGER NOT NULL REFERENCES parameter(id),
+  value REAL,
+  std REAL,
+  excitation REAL,
+  last_excited_s REAL,
+  reason TEXT NOT NULL,
+  oil_temperature_K REAL,
+  PRIMARY KEY(run, stroke, parameter),
+  FOREIGN KEY(run, stroke) REFERENCES stroke(run, stroke)
+) STRICT, WITHOUT ROWID;
+-- Stroke by stroke: rows that lie one behind the other need no sorting.
+INSERT INTO estimate_of_stroke
+  SELECT e.run, e.stroke, e.parameter, e.value, e.std, e.excitation, e.last_excited_s, e.reason, e.oil_temperature_K
+  FROM stroke s CROSS JOIN run r ON r.id = s.run CROSS JOIN parameter p ON p.machine = r.machine
+  CROSS JOIN estimate e ON e.parameter = p.id AND e.run = s.run AND e.stroke = s.stroke;
+DROP VIEW trend;
+DROP TABLE estimate;
+ALTER TABLE estimate_of_stroke RENAME TO estimate;
+CREATE VIEW trend AS
+  SELECT m.name AS machine, r.id AS run, r.source AS source, e.stroke AS stroke,
+         r.first_sequence + e.stroke AS sequence, s.end_s AS time_s, p.name AS parameter, e.value AS value,
+         e.std AS std, p.unit AS unit, s.oil_temperature_K AS oil_temperature_K, e.reason AS reason,
+         e.excitation AS excitation, e.last_excited_s AS last_excited_s,
+         e.oil_temperature_K AS remembered_oil_temperature_K
+  FROM estimate e JOIN parameter p ON p.id = e.parameter JOIN run r ON r.id = e.run
+  JOIN machine m ON m.id = r.machine JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke;
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3,
-                                                                 kVersion4, kVersion5, kVersion6};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
+                                                                 kVersion5, kVersion6, kVersion7};
 
 struct FileKind {
   int application = 0;

@@ -9,7 +9,7 @@
 namespace hydroscope {
 
 /// Version of the tables this program writes, in `PRAGMA user_version`; docs/database.md describes it.
-inline constexpr int kFormatVersion = 6;
+inline constexpr int kFormatVersion = 7;
 /// "HYDR", in `PRAGMA application_id`: tells our files from those of other programs.
 inline constexpr int kApplicationId = 0x48594452;
 

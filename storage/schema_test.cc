@@ -66,22 +66,36 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
     Press press(folder.File());
     EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 3)));
   }
-  Execute(folder.File(),
-          "DROP TABLE condition; ALTER TABLE stroke DROP COLUMN condition_3; ALTER TABLE stroke DROP COLUMN "
-          "condition_4; ALTER TABLE stroke DROP COLUMN condition_5; ALTER TABLE stroke RENAME COLUMN "
-          "condition_0 TO mean_speed_m_s; ALTER TABLE stroke RENAME COLUMN condition_1 TO mean_pressure_Pa; "
-          "ALTER TABLE stroke RENAME COLUMN condition_2 TO max_pressure_Pa; ALTER TABLE stroke RENAME COLUMN "
-          "rms_error TO rms_error_m3_s; ALTER TABLE stroke RENAME COLUMN noise_floor TO noise_floor_m3_s; "
-          "DROP TABLE identity; DROP VIEW trend; ALTER TABLE estimate DROP COLUMN oil_temperature_K; CREATE "
-          "VIEW trend AS SELECT 1; DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER "
-          "TABLE run DROP COLUMN rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; ALTER TABLE "
-          "model_version DROP COLUMN promoted; PRAGMA user_version = 1");
+  const auto trend = [&] {
+    const Database database = Value(Database::OpenReadOnly(folder.File()));
+    std::vector<std::string> points;
+    for (const TrendPoint& p : Value(database.Trend(1, "")))
+      points.push_back(fmt::format("{} {} {} {} {}", p.sequence, p.estimate.parameter, p.estimate.value,
+                                   p.estimate.std, ReasonName(p.estimate.reason)));
+    return points;
+  };
+  const auto points = trend();
+  EXPECT_EQ(points.size(), 12u);
+  Execute(
+      folder.File(),
+      "DROP TABLE condition; ALTER TABLE stroke DROP COLUMN condition_3; ALTER TABLE stroke DROP COLUMN "
+      "condition_4; ALTER TABLE stroke DROP COLUMN condition_5; ALTER TABLE stroke RENAME COLUMN "
+      "condition_0 TO mean_speed_m_s; ALTER TABLE stroke RENAME COLUMN condition_1 TO mean_pressure_Pa; "
+      "ALTER TABLE stroke RENAME COLUMN condition_2 TO max_pressure_Pa; ALTER TABLE stroke RENAME COLUMN "
+      "rms_error TO rms_error_m3_s; ALTER TABLE stroke RENAME COLUMN noise_floor TO noise_floor_m3_s; "
+      "DROP TABLE identity; DROP VIEW trend; CREATE TABLE by_parameter(parameter INTEGER NOT NULL, run INTEGER "
+      "NOT NULL, stroke INTEGER NOT NULL, value REAL, std REAL, excitation REAL, last_excited_s REAL, reason "
+      "TEXT NOT NULL, PRIMARY KEY(parameter, run, stroke)) STRICT, WITHOUT ROWID; INSERT INTO by_parameter "
+      "SELECT parameter, run, stroke, value, std, excitation, last_excited_s, reason FROM estimate; DROP TABLE "
+      "estimate; ALTER TABLE by_parameter RENAME TO estimate; CREATE VIEW trend AS SELECT 1; DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER "
+      "TABLE run DROP COLUMN rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; ALTER TABLE "
+      "model_version DROP COLUMN promoted; PRAGMA user_version = 1");
   EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("older database format 1"));
   Press press(folder.File());
   EXPECT_EQ(press.version, 1);
   EXPECT_EQ(Value(press.database.EndSequence(press.machine)), 3);
   EXPECT_FALSE(Value(press.database.PromotedModel(press.machine)).has_value());
-  EXPECT_OK(Database::OpenReadOnly(folder.File()));
+  EXPECT_EQ(trend(), points);
   const auto strokes = Value(press.database.Strokes(1));
   ASSERT_EQ(strokes.size(), 3u);
   EXPECT_EQ(strokes[1].conditions, (std::array<double, kMaxConditions>{0.2, 1.2e7, 1.9e7 + 1, 0, 0, 0}));

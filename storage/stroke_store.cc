@@ -71,9 +71,9 @@ void InsertSummary(Connection& connection, std::int64_t run, const StrokeSummary
 
 void InsertEstimates(Connection& connection, const RunRow& run, const PackedStroke& stroke) {
   for (const Estimate& e : stroke.estimates)
-    Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
-          ParameterId(connection, run.machine, e), run.id, stroke.summary.index, e.value, e.std, e.excitation,
-          e.last_excited, ReasonName(e.reason), e.oil_temperature)
+    Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)", run.id, stroke.summary.index,
+          ParameterId(connection, run.machine, e), e.value, e.std, e.excitation, e.last_excited,
+          ReasonName(e.reason), e.oil_temperature)
         .Run();
 }
 

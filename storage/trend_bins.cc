@@ -24,11 +24,13 @@ TrendBin BinOf(Connection& connection, const RunRow& run, const std::string& par
   TrendBin bin;
   {
     // A parameter that changed its unit has several rows in `parameter`; each stroke belongs to one of them.
-    Query query(connection,
-                "SELECT count(e.value), min(e.value), max(e.value), avg(e.value), avg(e.std), "
-                "avg(e.oil_temperature_K) FROM parameter p JOIN estimate e ON e.parameter = p.id WHERE "
-                "p.machine = ? AND p.name = ? AND e.run = ? AND e.stroke >= ? AND e.stroke < ?",
-                run.machine, parameter, run.id, from, looked_to);
+    Query query(
+        connection,
+        "SELECT count(e.value), min(e.value), max(e.value), avg(e.value), avg(e.std), "
+        "avg(e.oil_temperature_K) FROM parameter p CROSS JOIN stroke s CROSS JOIN estimate e ON e.run = "
+        "s.run AND e.stroke = s.stroke AND e.parameter = p.id WHERE p.machine = ? AND p.name = ? AND "
+        "s.run = ? AND s.stroke >= ? AND s.stroke < ?",
+        run.machine, parameter, run.id, from, looked_to);
     query.Step();
     bin = {run.id,
            run.first_sequence + from,

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <bit>
-#include <limits>
+#include <map>
 
 #include "core/records/quality.h"
 #include "storage/connection.h"
@@ -11,18 +11,17 @@ namespace hydroscope {
 namespace {
 
 struct ParameterRow {
-  std::int64_t id = 0;
   std::string name, unit;
 };
 
-std::vector<ParameterRow> FindParameters(Connection& connection, std::int64_t machine,
-                                         const std::string& name) {
-  Query query(
-      connection,
-      "SELECT id, name, unit FROM parameter WHERE machine = ?1 AND (?2 = '' OR name = ?2) ORDER BY id",
-      machine, name);
-  std::vector<ParameterRow> rows;
-  while (query.Step()) rows.push_back({query.Int(0), query.Text(1), query.Text(2)});
+/// Those of a name, or all of a machine (""), by their number in the database.
+std::map<std::int64_t, ParameterRow> FindParameters(Connection& connection, std::int64_t machine,
+                                                    const std::string& name) {
+  Query query(connection,
+              "SELECT id, name, unit FROM parameter WHERE machine = ?1 AND (?2 = '' OR name = ?2)", machine,
+              name);
+  std::map<std::int64_t, ParameterRow> rows;
+  while (query.Step()) rows[query.Int(0)] = {query.Text(1), query.Text(2)};
   return rows;
 }
 
@@ -35,60 +34,27 @@ EstimateReason ReasonFromName(const std::string& name) {
   return EstimateReason::kNoStroke;
 }
 
-/// Where the machine-wide stroke `sequence` lies.
-struct Place {
-  std::int64_t run = 0, stroke = 0;
-};
-
-Place FindPlace(const std::vector<RunRow>& runs, std::int64_t sequence) {
-  Place place;
-  for (const RunRow& run : runs)
-    if (run.first_sequence <= sequence) place = {run.id, sequence - run.first_sequence};
-  return place;
-}
-
-std::vector<TrendPoint> ReadTrend(Connection& connection, const ParameterRow& parameter, const Place& from,
-                                  const Place& end) {
+/// Estimates of strokes from ... to - 1 of a run.
+void ReadTrend(Connection& connection, const RunRow& run,
+               const std::map<std::int64_t, ParameterRow>& parameters, std::int64_t from, std::int64_t to,
+               std::vector<TrendPoint>& points) {
   Query query(
       connection,
-      "SELECT e.run, e.stroke, r.first_sequence + e.stroke, s.end_s, s.oil_temperature_K, e.value, e.std, "
-      "e.excitation, e.last_excited_s, e.reason, e.oil_temperature_K FROM estimate e JOIN run r ON r.id = "
-      "e.run JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke WHERE e.parameter = ? AND (e.run, "
-      "e.stroke) >= (?, ?) AND (e.run, e.stroke) < (?, ?) ORDER BY e.run, e.stroke",
-      parameter.id, from.run, from.stroke, end.run, end.stroke);
-  std::vector<TrendPoint> points;
+      "SELECT s.stroke, s.end_s, s.oil_temperature_K, e.parameter, e.value, e.std, e.excitation, "
+      "e.last_excited_s, e.reason, e.oil_temperature_K FROM stroke s JOIN estimate e ON e.run = s.run "
+      "AND e.stroke = s.stroke WHERE s.run = ? AND s.stroke >= ? AND s.stroke < ? ORDER BY s.stroke, "
+      "e.parameter",
+      run.id, from, to);
   while (query.Step()) {
-    TrendPoint point{query.Int(0), query.Int(1), query.Int(2), query.Real(3), query.Real(4), {}};
-    point.estimate = {parameter.name,
-                      query.Real(5),
-                      query.Real(6),
-                      parameter.unit,
-                      query.Real(7),
-                      query.Real(8),
-                      ReasonFromName(query.Text(9)),
-                      query.Real(10)};
+    const auto parameter = parameters.find(query.Int(3));
+    if (parameter == parameters.end()) continue;
+    TrendPoint point{run.id,        query.Int(0),  run.first_sequence + query.Int(0),
+                     query.Real(1), query.Real(2), {}};
+    point.estimate = {parameter->second.name,        query.Real(4), query.Real(5),
+                      parameter->second.unit,        query.Real(6), query.Real(7),
+                      ReasonFromName(query.Text(8)), query.Real(9)};
     points.push_back(std::move(point));
   }
-  return points;
-}
-
-/// Trends in order of sequence become one, in order of sequence and within a stroke in the order given.
-std::vector<TrendPoint> Merged(std::vector<std::vector<TrendPoint>> trends) {
-  if (trends.size() == 1) return std::move(trends.front());
-  std::size_t size = 0;
-  for (const auto& trend : trends) size += trend.size();
-  std::vector<std::size_t> next(trends.size(), 0);
-  std::vector<TrendPoint> merged;
-  merged.reserve(size);
-  while (merged.size() < size) {
-    std::int64_t sequence = std::numeric_limits<std::int64_t>::max();
-    for (std::size_t i = 0; i < trends.size(); ++i)
-      if (next[i] < trends[i].size()) sequence = std::min(sequence, trends[i][next[i]].sequence);
-    for (std::size_t i = 0; i < trends.size(); ++i)
-      if (next[i] < trends[i].size() && trends[i][next[i]].sequence == sequence)
-        merged.push_back(std::move(trends[i][next[i]++]));
-  }
-  return merged;
 }
 
 /// Bit of a flag name in `stroke_flag`; 16 if the name is unknown.
@@ -114,19 +80,21 @@ Result<std::vector<TrendPoint>> Database::Trend(std::int64_t machine, const std:
                                                 std::int64_t first, std::int64_t end) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<TrendPoint>> {
     SQLite::Transaction one_snapshot(impl_->db);
-    const std::vector<RunRow> runs = impl_->RunsOf(machine);
-    const Place from = FindPlace(runs, first), to = FindPlace(runs, end);
-    std::vector<std::vector<TrendPoint>> trends;
-    for (const ParameterRow& row : FindParameters(*impl_, machine, parameter))
-      trends.push_back(ReadTrend(*impl_, row, from, to));
-    return Merged(std::move(trends));
+    const auto parameters = FindParameters(*impl_, machine, parameter);
+    std::vector<TrendPoint> points;
+    for (const RunRow& run : impl_->RunsOf(machine)) {
+      const std::int64_t from = std::max<std::int64_t>(first - run.first_sequence, 0);
+      const std::int64_t to = std::min(end - run.first_sequence, run.strokes);
+      if (from < to) ReadTrend(*impl_, run, parameters, from, to, points);
+    }
+    return points;
   });
 }
 
 Result<std::vector<std::string>> Database::ParameterNames(std::int64_t machine) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
     std::vector<std::string> names;
-    for (const ParameterRow& row : FindParameters(*impl_, machine, "")) names.push_back(row.name);
+    for (const auto& [id, row] : FindParameters(*impl_, machine, "")) names.push_back(row.name);
     return names;
   });
 }
