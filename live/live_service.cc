@@ -125,6 +125,8 @@ Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& opti
                                                          Clock clock, Heartbeat heartbeat,
                                                          LiveWriter::Acknowledged acknowledged) {
   const auto model = TRY(LoadLiveModel(options.machine_file));
+  if (const auto older = Database::OlderFormat(options.database))
+    LogInfo("database_upgrade", {{"from_format", std::to_string(*older)}});
   auto database = TRY(Database::Open(options.database));
   std::unique_ptr<LiveService> service(
       new LiveService(options, model, std::move(sources), clock, std::move(heartbeat)));

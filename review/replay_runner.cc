@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "host/output.h"
 #include "host/real_clock.h"
 #include "monitor/press_monitor.h"
 #include "monitor/promoted_model.h"
@@ -96,6 +97,11 @@ bool PressReplay::Failed() const {
 Result<PressReplay> RunReplay(const ReplayOptions& options) {
   const auto machine = TRY(LoadMachine(options.machine_file));
   const auto shares = TRY(ShareOutLogs(machine, options.logs, options.axis));
+  if (const auto older = Database::OlderFormat(options.database))
+    SayBeside(fmt::format(
+        "{}: brought from format {} to the newest, in which a stroke is stored faster. Once, minutes if it "
+        "holds many millions of estimates; stopping it leaves the file as it was\n",
+        options.database, *older));
   PressReplay replay;
   if (HasNamedAxes(machine)) replay.press = machine.name;
   std::vector<std::unique_ptr<AxisReplay>> axes;

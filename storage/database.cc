@@ -73,6 +73,18 @@ Result<Database> Database::Open(const std::string& path) {
   return Database(std::move(impl));
 }
 
+std::optional<int> Database::OlderFormat(const std::string& path) {
+  try {
+    SQLite::Database db(path, SQLite::OPEN_READONLY);
+    const int version = db.execAndGet("PRAGMA user_version").getInt();
+    const bool ours = db.execAndGet("PRAGMA application_id").getInt() == kApplicationId;
+    if (ours && version < kFormatVersion) return version;
+  } catch (const SQLite::Exception&) {
+    // What is wrong with the file Open says.
+  }
+  return std::nullopt;
+}
+
 Result<Database> Database::OpenReadOnly(const std::string& path) {
   TRY(CheckPath(path));
   std::error_code ignored;

@@ -117,6 +117,9 @@ class Database {
  public:
   /// Creates the file or opens it; an older schema is migrated, a newer one is an error that says so.
   static Result<Database> Open(const std::string& path);
+  /// The older format of a file that Open brings up to date, which may take minutes where it holds many millions of estimates;
+  /// nullopt if there is nothing to do, or no such file.
+  static std::optional<int> OlderFormat(const std::string& path);
   /// For readers: never creates the file.
   static Result<Database> OpenReadOnly(const std::string& path);
   Database(Database&&) noexcept;

@@ -91,11 +91,14 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
       "TABLE run DROP COLUMN rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; ALTER TABLE "
       "model_version DROP COLUMN promoted; PRAGMA user_version = 1");
   EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("older database format 1"));
+  EXPECT_EQ(Database::OlderFormat(folder.File()), 1);
   Press press(folder.File());
   EXPECT_EQ(press.version, 1);
   EXPECT_EQ(Value(press.database.EndSequence(press.machine)), 3);
   EXPECT_FALSE(Value(press.database.PromotedModel(press.machine)).has_value());
   EXPECT_EQ(trend(), points);
+  EXPECT_EQ(Database::OlderFormat(folder.File()), std::nullopt);
+  EXPECT_EQ(Database::OlderFormat(folder.File("none.db")), std::nullopt);
   const auto strokes = Value(press.database.Strokes(1));
   ASSERT_EQ(strokes.size(), 3u);
   EXPECT_EQ(strokes[1].conditions, (std::array<double, kMaxConditions>{0.2, 1.2e7, 1.9e7 + 1, 0, 0, 0}));
