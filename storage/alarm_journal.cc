@@ -137,7 +137,7 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
                      db.execAndGet("PRAGMA application_id").getInt() == 0;
   if (!fresh) TRY(CheckKind(db, path));
   db.exec("PRAGMA journal_mode = WAL");
-  db.exec("PRAGMA synchronous = FULL");
+  db.exec("PRAGMA synchronous = NORMAL");  // what tells of alarms waits for the disk by itself
   const auto version = [&] { return db.execAndGet("PRAGMA user_version").getInt(); };
   if (version() == kJournalFormat) return {};
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
@@ -147,6 +147,17 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
   db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
   transaction.commit();
   return {};
+}
+
+/// Waits until the disk has what was committed, as `synchronous = FULL` would at every commit.
+Status WaitForDisk(Connection& connection) {
+  sqlite3_file* log = nullptr;
+  sqlite3_file_control(connection.db.getHandle(), "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+  if (log == nullptr || log->pMethods == nullptr ||
+      log->pMethods->xSync(log, SQLITE_SYNC_NORMAL) == SQLITE_OK)
+    return {};
+  return InternalError(Tell("{}: the disk does not take what is written",
+                            "{}: die Platte nimmt nicht an, was geschrieben wird", connection.path));
 }
 
 AlarmSeverity Severity(const std::string& name) {
@@ -309,7 +320,7 @@ Status AlarmJournal::SetDatabaseIdentity(const std::string& identity) {
     Query(*impl_, "DELETE FROM pairing").Run();
     Query(*impl_, "INSERT INTO pairing VALUES(?)", identity).Run();
     transaction.commit();
-    return {};
+    return WaitForDisk(*impl_);
   });
 }
 
@@ -334,7 +345,9 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
     std::int64_t sequence = content.events.empty() ? 0 : NewestSequence(*impl_);
     for (const AlarmEvent& event : content.events) AppendRow(*impl_, ++sequence, machine, wall, event);
     transaction.commit();
-    return {};
+    // How far strokes are judged is found again; what was told of an alarm, and what was learned, is not.
+    const bool must_last = !content.events.empty() || !content.references.empty();
+    return must_last ? WaitForDisk(*impl_) : Status{};
   });
 }
 

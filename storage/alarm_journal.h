@@ -48,8 +48,9 @@ struct AxisContent {
 };
 
 /// The alarm journal of a trend database, in a file of its own beside it: rows that are only ever appended,
-/// numbered without gaps, with the alarms' present states and the monitors' states. WAL, synchronous=FULL:
-/// what Change() has returned survives a loss of power. Triggers refuse to change or delete a row. Errors as of Database.
+/// numbered without gaps, with the alarms' present states and the monitors' states. WAL: events and references
+/// that Change() has stored survive a loss of power; how far strokes are judged may be older after one, and is
+/// found again. Triggers refuse to change or delete a row. Errors as of Database.
 class AlarmJournal {
  public:
   /// "press.db" -> "press.alarms.db".

@@ -3,10 +3,21 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
+
+namespace {
+std::atomic<int> waits_for_disk = 0;
+}
+/// In place of the system's, for SQLite too.
+extern "C" int fdatasync(int file) {
+  ++waits_for_disk;
+  return static_cast<int>(syscall(SYS_fdatasync, file));
+}
 
 namespace hydroscope {
 namespace {
@@ -151,6 +162,23 @@ TEST_F(AlarmJournalFile, StoresNothingOfAChangeThatFails) {
   EXPECT_FALSE(failed);
   EXPECT_EQ(journal->Rows("")->size(), 1u);
   EXPECT_TRUE(journal->Axis("press")->alarms[0].active);
+}
+
+TEST_F(AlarmJournalFile, WaitsForTheDiskWhereAnAlarmIsToldAndNotAtEveryStroke) {
+  auto journal = AlarmJournal::Open(path);
+  ASSERT_TRUE(Raise(*journal, "press", "one"));
+  const auto judge = [&](std::int64_t stroke) {
+    return journal->Change("press", 1, [&](AxisContent& axis) -> Status {
+      axis.monitor = {stroke, 3, {4, 5, 6}};
+      return {};
+    });
+  };
+  int before = waits_for_disk;
+  for (std::int64_t stroke = 10; stroke < 60; ++stroke) ASSERT_TRUE(judge(stroke));
+  EXPECT_EQ(waits_for_disk - before, 0);
+  before = waits_for_disk;
+  ASSERT_TRUE(Raise(*journal, "press", "two"));
+  EXPECT_EQ(waits_for_disk - before, 1);
 }
 
 TEST_F(AlarmJournalFile, RefusesToChangeOrDeleteARow) {
