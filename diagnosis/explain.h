@@ -220,6 +220,8 @@ struct Explanation {
   /// With `unknown`, of a machine of the user's own: laws that each leave no more than a name may leave, best first.
   std::vector<ProposedLaw> proposed;
   Told doubt;
+  /// Signals that are not measured, without which a cause much like one of `set` could not be tried.
+  std::vector<std::string> unmeasured;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
   double trifle = 0;
   Told no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do

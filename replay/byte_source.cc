@@ -1,6 +1,7 @@
 #include "replay/byte_source.h"
 
 #include <fcntl.h>
+#include <iconv.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -74,6 +75,69 @@ class GzipFile : public ByteSource {
   double size_;
 };
 
+/// UTF-16 text, as spreadsheets write "Unicode text", in UTF-8.
+class Utf16Text : public ByteSource {
+ public:
+  /// `source` stands behind the byte order mark.
+  Utf16Text(std::unique_ptr<ByteSource> source, bool little, std::string path)
+      : source_(std::move(source)),
+        path_(std::move(path)),
+        converter_(iconv_open("UTF-8", little ? "UTF-16LE" : "UTF-16BE")) {}
+  ~Utf16Text() override {
+    if (converter_ != kNone) iconv_close(converter_);
+  }
+  Utf16Text(const Utf16Text&) = delete;
+  Utf16Text& operator=(const Utf16Text&) = delete;
+
+  Result<std::size_t> Read(char* data, std::size_t size) override {
+    if (converter_ == kNone)
+      return InternalError(Tell("log '{}': this computer converts no UTF-16; save it as UTF-8",
+                                "Log '{}': dieser Rechner wandelt kein UTF-16 um; als UTF-8 speichern",
+                                path_));
+    for (;;) {
+      char* out = data;
+      std::size_t room = size;
+      char* in = rest_.data();
+      std::size_t left = rest_.size();
+      const std::size_t done = iconv(converter_, &in, &left, &out, &room);
+      const int error = done == static_cast<std::size_t>(-1) ? errno : 0;
+      rest_.erase(0, rest_.size() - left);
+      if (error == EILSEQ)
+        return BadInput(Tell("log '{}': damaged UTF-16 text; save it anew as UTF-8",
+                             "Log '{}': beschädigter Text in UTF-16; neu als UTF-8 speichern", path_));
+      if (out > data) return static_cast<std::size_t>(out - data);
+      const std::size_t before = rest_.size();
+      rest_.resize(before + kPiece);
+      const auto got = source_->Read(rest_.data() + before, kPiece);
+      rest_.resize(before + got.value_or(0));
+      if (!got || *got == 0) return got;
+    }
+  }
+  double Progress() const override { return source_->Progress(); }
+
+ private:
+  static constexpr std::size_t kPiece = 1u << 18;
+  static inline const iconv_t kNone = reinterpret_cast<iconv_t>(-1);
+
+  std::unique_ptr<ByteSource> source_;
+  std::string path_;
+  iconv_t converter_;
+  std::string rest_;  ///< bytes that are not converted yet
+};
+
+enum class Utf16 { kNo, kLittle, kBig };
+
+/// By the byte order mark that the text begins with.
+Utf16 Utf16Of(const char* first_two) {
+  if (std::memcmp(first_two, "\xFF\xFE", 2) == 0) return Utf16::kLittle;
+  return std::memcmp(first_two, "\xFE\xFF", 2) == 0 ? Utf16::kBig : Utf16::kNo;
+}
+
+std::unique_ptr<ByteSource> AsUtf8(std::unique_ptr<ByteSource> source, Utf16 kind, const std::string& path) {
+  if (kind == Utf16::kNo) return source;
+  return std::make_unique<Utf16Text>(std::move(source), kind == Utf16::kLittle, path);
+}
+
 bool IsGzip(int descriptor) {
   unsigned char magic[2] = {};
   return ::pread(descriptor, magic, 2, 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
@@ -93,7 +157,13 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
                          "Log '{}' ist ein Ordner; die Datei darin nennen", path));
   }
   const double size = static_cast<double>(info.st_size);
-  if (!IsGzip(descriptor)) return std::make_unique<PlainFile>(path, descriptor, size);
+  char first_two[2] = {};
+  if (!IsGzip(descriptor)) {
+    const bool read = ::pread(descriptor, first_two, 2, 0) == 2;
+    const Utf16 kind = read ? Utf16Of(first_two) : Utf16::kNo;
+    if (kind != Utf16::kNo) ::lseek(descriptor, 2, SEEK_SET);
+    return AsUtf8(std::make_unique<PlainFile>(path, descriptor, size), kind, path);
+  }
   const gzFile file = gzdopen(descriptor, "rb");
   if (file == nullptr) {
     ::close(descriptor);
@@ -101,7 +171,9 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
         Tell("log '{}': out of memory for unpacking", "Log '{}': kein Speicher mehr zum Entpacken", path));
   }
   gzbuffer(file, 1u << 20);
-  return std::make_unique<GzipFile>(path, file, size);
+  const Utf16 kind = gzread(file, first_two, 2) == 2 ? Utf16Of(first_two) : Utf16::kNo;
+  if (kind == Utf16::kNo) gzrewind(file);
+  return AsUtf8(std::make_unique<GzipFile>(path, file, size), kind, path);
 }
 
 LineBuffer::LineBuffer(std::unique_ptr<ByteSource> source, std::string origin)

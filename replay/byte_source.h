@@ -17,7 +17,8 @@ class ByteSource {
   virtual double Progress() const = 0;
 };
 
-/// Opens a plain or gzip-compressed file (told by its first bytes, not by its name).
+/// Opens a plain or gzip-compressed file (told by its first bytes, not by its name). UTF-16 text with a byte order mark is read
+/// as UTF-8.
 Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path);
 
 /// Cuts a byte source into complete lines inside one buffer that grows only for long lines.

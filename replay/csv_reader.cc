@@ -101,12 +101,7 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
   }
   sample_period_ = SamplePeriodOf(times);
   if (sample_period_ > 0) return {};
-  return BadInput(Tell(
-      "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
-      "'{}' (unit of time in [log]), or give sample_period in s there",
-      "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
-      "(unit von time in [log]), oder dort sample_period in s angeben",
-      origin_, layout_.names[plan_.time], times.size(), format.time_unit));
+  return NoSamplePeriod(origin_, layout_.names[plan_.time], times, format.time_unit);
 }
 
 void CsvReader::PointInto(SampleBlock& block) {

@@ -315,6 +315,29 @@ TEST_F(CsvFileTest, ReadsGzip) {
   EXPECT_EQ(values_[1][49999], 5e6);
 }
 
+/// ASCII in UTF-16 behind its byte order mark.
+std::string Utf16(const std::string& text, bool little) {
+  std::string wide = little ? "\xFF\xFE" : "\xFE\xFF";
+  for (const char c : text) wide += little ? std::string{c, '\0'} : std::string{'\0', c};
+  return wide;
+}
+
+TEST_F(CsvFileTest, ReadsUtf16AsSpreadsheetsWriteIt) {
+  for (const bool little : {true, false}) {
+    std::ofstream(path_, std::ios::binary) << Utf16("t,p,z\n" + Rows(1, 50000), little);
+    auto source = OpenFileSource(path_);
+    ASSERT_TRUE(source);
+    ReadFrom(std::move(*source), 1000);
+    EXPECT_EQ(counters_.rows, 50000);
+    EXPECT_EQ(values_[1][49999], 5e6);
+  }
+  WriteGzip(Utf16("t,p,z\n" + Rows(1, 2000), true));
+  auto packed = OpenFileSource(path_);
+  ASSERT_TRUE(packed);
+  ReadFrom(std::move(*packed), 1000);
+  EXPECT_EQ(counters_.rows, 2000);
+}
+
 TEST_F(CsvFileTest, CutOffGzipGivesRowsThenAnError) {
   WriteGzip("t,p,z\n" + Rows(1, 200000));
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);

@@ -1,6 +1,7 @@
 #include <array>
 #include <cstring>
 
+#include "core/units.h"
 #include "replay/decimal.h"
 #include "replay/log_layout.h"
 
@@ -53,6 +54,21 @@ std::string_view BracketedUnit(std::string_view name) {
   const std::size_t at = name.rfind(open);
   if (at == std::string_view::npos) return {};
   return Trimmed(name.substr(at + 1, name.size() - at - 2));
+}
+
+HeaderName SplitHeader(std::string_view header) {
+  if (const auto unit = BracketedUnit(header); !unit.empty())
+    return {Trimmed(header.substr(0, header.find_last_of("[("))), unit};
+  if (FindUnit(header)) return {header, {}};  // "m/s" is no "m" in seconds
+  for (std::size_t at = header.find('/'); at != std::string_view::npos; at = header.find('/', at + 1)) {
+    const HeaderName split{Trimmed(header.substr(0, at)), Trimmed(header.substr(at + 1))};
+    const auto unit = FindUnit(split.unit);
+    if (!unit || split.name.empty()) continue;
+    const bool rate =
+        unit->si == "s" && split.name != "t" && !split.name.ends_with("ime") && !split.name.ends_with("eit");
+    return rate ? HeaderName{header, {}} : split;  // "cycles/min" are no minutes
+  }
+  return {header, {}};
 }
 
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields) {

@@ -26,7 +26,21 @@ Result<LogHead> ReadMatHead(const std::string& path, std::size_t rows) {
     TRY(mat->Read(c, 0, count, column.data()));
     head.columns.push_back(std::move(column));
   }
+  head.words.resize(head.layout.names.size());
   return head;
+}
+
+void AddWord(std::string_view text, LogWords& words) {
+  int word = -1;
+  if (!text.empty()) {
+    ++words.rows;
+    const auto known = std::ranges::find(words.seen, text);
+    if (known != words.seen.end() || words.seen.size() < LogWords::kMost) {
+      word = static_cast<int>(known - words.seen.begin());
+      if (known == words.seen.end()) words.seen.emplace_back(text);
+    }
+  }
+  words.of_row.push_back(word);
 }
 
 void AddRow(const std::vector<std::string_view>& fields, LogHead& head) {
@@ -37,6 +51,7 @@ void AddRow(const std::vector<std::string_view>& fields, LogHead& head) {
       value = ParseDateTime(field);
       if (value) head.is_date[c] = true;
     }
+    AddWord(value || IsMissingMark(field) ? std::string_view() : field, head.words[c]);
     head.columns[c].push_back(value.value_or(kNaN));
   }
 }
@@ -55,6 +70,7 @@ Result<LogHead> ReadLogHead(const std::string& path, std::size_t rows, const Log
   head.layout = std::move(layout);
   head.columns.resize(head.layout.names.size());
   head.is_date.assign(head.layout.names.size(), false);
+  head.words.resize(head.layout.names.size());
   lines.Advance(lines.cursor() + head.layout.data_offset);
   std::vector<std::string_view> fields;
   while (head.rows() < rows) {

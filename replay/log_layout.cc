@@ -240,7 +240,7 @@ void SetNames(std::string_view header, const RowShape& shape, LogLayout& layout)
 
 void SetUnits(std::string_view unit_row, LogLayout& layout) {
   layout.units.assign(layout.names.size(), "");
-  for (std::size_t i = 0; i < layout.names.size(); ++i) layout.units[i] = BracketedUnit(layout.names[i]);
+  for (std::size_t i = 0; i < layout.names.size(); ++i) layout.units[i] = SplitHeader(layout.names[i]).unit;
   if (!layout.unit_row) return;
   std::vector<std::string_view> fields;
   SplitFields(WithoutCommentSign(unit_row), layout.separator, fields);
@@ -274,10 +274,6 @@ Status CheckText(std::string_view head, const std::string& origin) {
   if (Trimmed(head).empty())
     return BadInput(Tell("log '{}' is empty; expected a header and rows of numbers",
                          "Log '{}' ist leer; erwartet: eine Kopfzeile und Zeilen mit Zahlen", origin));
-  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
-    return BadInput(Tell("log '{}' is UTF-16 text; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)",
-                         "Log '{}' ist Text in UTF-16; als UTF-8 speichern (iconv -f UTF-16 -t UTF-8)",
-                         origin));
   if (head.substr(0, 64).find('\0') != std::string_view::npos)
     return BadInput(Tell(
         "log '{}' is binary; expected text (CSV), gzip-compressed text or a MAT file",
@@ -291,9 +287,8 @@ std::optional<std::size_t> LogLayout::Find(std::string_view column) const {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == column) return i;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto unit = BracketedUnit(names[i]);
-    if (!unit.empty() && Trimmed(std::string_view(names[i]).substr(0, names[i].find_last_of("[("))) == column)
-      return i;
+    const HeaderName header = SplitHeader(names[i]);
+    if (!header.unit.empty() && header.name == column) return i;
   }
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(column.data(), column.data() + column.size(), number);

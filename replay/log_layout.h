@@ -35,7 +35,7 @@ inline constexpr std::size_t kLayoutHead = 64 * 1024;
 
 /// Finds separator, decimal sign, lines to skip, header, unit row and column names from the first bytes of a text log;
 /// what `hints` gives is taken as given. `complete`: `head` is the whole log (its last line counts though no line end
-/// follows). Errors: empty, binary, UTF-16, or no rows of numbers; they begin with "log 'origin'".
+/// follows). Errors: empty, binary, or no rows of numbers; they begin with "log 'origin'".
 Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, const std::string& origin,
                                bool complete = true);
 
@@ -55,5 +55,13 @@ std::string_view Trimmed(std::string_view text);
 
 /// "p_A [bar]" or "p_A (bar)" -> "bar"; "" if there is no unit in brackets at the end.
 std::string_view BracketedUnit(std::string_view name);
+
+/// A header's name and unit.
+struct HeaderName {
+  std::string_view name, unit;  ///< "p_A", "bar"; unit "" if there is none
+};
+/// Of "p_A [bar]", "p_A (bar)" and, as ISO 80000-1 writes the heads of tables, "p_A/bar". Behind a stroke only a unit the
+/// project knows is one.
+HeaderName SplitHeader(std::string_view header);
 
 }  // namespace hydroscope

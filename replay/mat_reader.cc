@@ -62,12 +62,7 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
   for (double& time : times) time *= plan_.time_scale;
   sample_period_ = SamplePeriodOf(times);
   if (sample_period_ > 0) return {};
-  return BadInput(Tell(
-      "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
-      "'{}' (unit of time in [log]), or give sample_period in s there",
-      "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
-      "(unit von time in [log]), oder dort sample_period in s angeben",
-      path, layout_.names[column], times.size(), format.time_unit));
+  return NoSamplePeriod(path, layout_.names[column], times, format.time_unit);
 }
 
 Status MatReader::LoadSlice() {

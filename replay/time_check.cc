@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+
+#include "core/told_error.h"
 
 namespace hydroscope {
 namespace {
@@ -31,6 +34,23 @@ double SamplePeriodOf(const std::vector<double>& times) {
   const double period = sum / count;
   const double rate = std::round(1.0 / period);
   return rate >= 1 && std::abs(rate * period - 1.0) < 1e-6 ? 1.0 / rate : period;
+}
+
+tl::unexpected<Error> NoSamplePeriod(const std::string& origin, const std::string& column,
+                                     const std::vector<double>& times, const std::string& unit) {
+  if (times.size() > 1 && std::ranges::is_sorted(times, std::greater<>()) && times.back() < times.front())
+    return BadInput(Tell(
+        "log '{}', time column '{}': the time falls from row to row: the newest row stands first. Sort the rows by "
+        "time, the oldest first",
+        "Log '{}', Zeitspalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen "
+        "nach der Zeit sortieren, die älteste zuerst",
+        origin, column));
+  return BadInput(Tell(
+      "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
+      "'{}' (unit of time in [log]), or give sample_period in s there",
+      "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
+      "(unit von time in [log]), oder dort sample_period in s angeben",
+      origin, column, times.size(), unit));
 }
 
 void TimeChecker::Check(SampleBlock& block, LogCounters& counters) {

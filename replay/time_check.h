@@ -1,8 +1,10 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/records/sample_block.h"
+#include "core/result.h"
 #include "replay/log_reader.h"
 
 namespace hydroscope {
@@ -17,6 +19,10 @@ inline constexpr double kCoarseShare = 0.1;
 /// Nominal time between rows: mean of the differences within 0.5...1.5 times their median, taken as 1/n s if
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
+
+/// Why no period was found in the times of the first rows, s, and what to do.
+tl::unexpected<Error> NoSamplePeriod(const std::string& origin, const std::string& column,
+                                     const std::vector<double>& times, const std::string& unit);
 
 /// Flags rows by their time stamps, on all channels of the row, independent of how rows are cut into blocks:
 ///   kDuplicate      the time of the row before again

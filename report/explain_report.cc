@@ -200,8 +200,9 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
   for (const OddStrokes& odd : x.odd_strokes)
     out.push_back("Not everywhere – " + EscapeText(OddText(result, odd).english) + ".");
   if (!x.doubt.empty())
-    out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
-                              EscapeText(x.doubt.english)));
+    out.push_back(fmt::format(
+        "Not proven – {}.{}", EscapeText(x.doubt.english),
+        x.unmeasured.empty() ? " The cause may be a relative that the library does not hold." : ""));
   if (x.verdict == Verdict::kAmbiguous)
     for (const auto& group : x.groups)
       for (const std::string& id : group)

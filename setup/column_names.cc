@@ -2,6 +2,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "replay/log_layout.h"
 #include "setup/column_meaning.h"
 
 namespace hydroscope {
@@ -17,8 +18,9 @@ std::string Plain(const std::string& name) {
                                                                                              {"Ü", "ue"},
                                                                                              {"ß", "ss"},
                                                                                              {"Δ", "d"}}};
-  std::string text =
-      name.substr(0, name.find_last_of("[(") == 0 ? std::string::npos : name.find_last_of("[("));
+  std::string text(SplitHeader(name).name);
+  if (const auto bracket = text.find_last_of("[("); bracket != 0 && bracket != std::string::npos)
+    text.resize(bracket);
   for (const auto& [umlaut, letters] : kUmlauts)
     for (std::size_t at = text.find(umlaut); at != std::string::npos; at = text.find(umlaut))
       text.replace(at, 2, letters);
@@ -67,7 +69,12 @@ constexpr ExactName kExactNames[] = {{"t", Role::kTime},
                                      {"p0", Role::kSupplyPressure},
                                      {"pp", Role::kSupplyPressure},
                                      {"ps", Role::kSupplyPressure},
+                                     {"supply", Role::kSupplyPressure},
+                                     {"psupply", Role::kSupplyPressure},
+                                     {"psys", Role::kSupplyPressure},
                                      {"pt", Role::kTankPressure},
+                                     {"tank", Role::kTankPressure},
+                                     {"ptank", Role::kTankPressure},
                                      {"p", Role::kPressure},
                                      {"z", Role::kPosition},
                                      {"zdc", Role::kPosition},
@@ -134,12 +141,13 @@ std::optional<Role> PressureRole(const std::string& text, const std::string& squ
 
 /// "mm" for "mm", "Bar" for "bar", "degC" for "C"; "" for what is no unit at the end of a name.
 std::string UnitWord(const std::string& word) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kWords = {
-      {{"bar", "bar"},      {"mbar", "mbar"}, {"pa", "Pa"},     {"kpa", "kPa"},   {"mpa", "MPa"},
-       {"psi", "psi"},      {"mm", "mm"},     {"cm", "cm"},     {"um", "um"},     {"ms", "ms"},
-       {"us", "us"},        {"sec", "s"},     {"sek", "s"},     {"ma", "mA"},     {"mv", "mV"},
-       {"volt", "V"},       {"pct", "%"},     {"percent", "%"}, {"degc", "degC"}, {"kn", "kN"},
-       {"celsius", "degC"}, {"proz", "%"}}};
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kWords = {
+      {{"bar", "bar"},         {"mbar", "mbar"}, {"pa", "Pa"},     {"kpa", "kPa"},   {"mpa", "MPa"},
+       {"psi", "psi"},         {"mm", "mm"},     {"cm", "cm"},     {"um", "um"},     {"ms", "ms"},
+       {"us", "us"},           {"sec", "s"},     {"sek", "s"},     {"ma", "mA"},     {"mv", "mV"},
+       {"volt", "V"},          {"pct", "%"},     {"percent", "%"}, {"degc", "degC"}, {"kn", "kN"},
+       {"celsius", "degC"},    {"proz", "%"},    {"inch", "in"},   {"inches", "in"}, {"degf", "degF"},
+       {"fahrenheit", "degF"}, {"gpm", "gpm"},   {"lbf", "lbf"}}};
   for (const auto& [spelling, unit] : kWords)
     if (word == spelling) return std::string(unit);
   return "";
@@ -168,6 +176,9 @@ std::string UnitInName(const std::string& name) {
   if (last == "d" && time) return "d";
   if (last == "c" && Has(stem, {"temp", "oil", "oel"})) return "degC";
   if (last == "k" && Has(stem, {"temp", "oil", "oel"})) return "K";
+  const bool temperature = stem == "t" || Has(stem, {"temp", "oil"});
+  if (last == "f" && temperature) return "degF";
+  if (last == "in" && (stem == "z" || stem == "x" || Has(stem, {"pos", "stroke", "displ"}))) return "in";
   if (last == "n" && (stem == "f" || Has(stem, {"kraft", "force"}))) return "N";
   if (last == "m" && (stem == "z" || stem == "x" || Has(stem, {"pos", "weg", "hub"}))) return "m";
   return "";

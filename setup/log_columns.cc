@@ -5,6 +5,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "replay/time_check.h"
+#include "setup/log_shape.h"
 
 namespace hydroscope {
 namespace {
@@ -65,6 +66,7 @@ void Describe(LogColumn& column) {
 
 Result<LogColumns> ReadLogColumns(const std::string& path) {
   auto head = TRY(ReadLogHead(path, kRowsLookedAt));
+  TRY(CheckShape(head, path));
   LogColumns log;
   log.path = path;
   log.rows = head.rows();

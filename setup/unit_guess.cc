@@ -39,12 +39,41 @@ std::string_view SiOf(Role role) {
 std::string KnownSpelling(const std::string& unit) {
   std::string lower = unit;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
-      {"c", "degC"},       {"deg c", "degC"}, {"grad c", "degC"}, {"celsius", "degC"}, {"sec", "s"},
-      {"sek", "s"},        {"-", "1"},        {"pu", "1"},        {"rev/min", "rpm"},  {"min-1", "1/min"},
-      {"min^-1", "1/min"}, {"n m", "Nm"},     {"n*m", "Nm"},      {"n·m", "Nm"},       {"m/s^2", "m/s2"},
-      {"cm³", "cm3"},      {"cm²", "cm2"},    {"mm²", "mm2"},     {"µm", "um"},        {"μm", "um"},
-      {"°", "deg"},        {"grad", "deg"},   {"lpm", "l/min"}};
+  static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {{"c", "degC"},
+                                                                                 {"deg c", "degC"},
+                                                                                 {"grad c", "degC"},
+                                                                                 {"celsius", "degC"},
+                                                                                 {"f", "degF"},
+                                                                                 {"deg f", "degF"},
+                                                                                 {"fahrenheit", "degF"},
+                                                                                 {"inch", "in"},
+                                                                                 {"\"", "in"},
+                                                                                 {"gal/min", "gpm"},
+                                                                                 {"usgpm", "gpm"},
+                                                                                 {"lbs", "lbf"},
+                                                                                 {"psig", "psi"},
+                                                                                 {"psia", "psi"},
+                                                                                 {"barg", "bar"},
+                                                                                 {"bara", "bar"},
+                                                                                 {"sec", "s"},
+                                                                                 {"sek", "s"},
+                                                                                 {"-", "1"},
+                                                                                 {"pu", "1"},
+                                                                                 {"rev/min", "rpm"},
+                                                                                 {"min-1", "1/min"},
+                                                                                 {"min^-1", "1/min"},
+                                                                                 {"n m", "Nm"},
+                                                                                 {"n*m", "Nm"},
+                                                                                 {"n·m", "Nm"},
+                                                                                 {"m/s^2", "m/s2"},
+                                                                                 {"cm³", "cm3"},
+                                                                                 {"cm²", "cm2"},
+                                                                                 {"mm²", "mm2"},
+                                                                                 {"µm", "um"},
+                                                                                 {"μm", "um"},
+                                                                                 {"°", "deg"},
+                                                                                 {"grad", "deg"},
+                                                                                 {"lpm", "l/min"}};
   for (const auto& [spelling, name] : kSpellings)
     if (lower == spelling) return std::string(name);
   if (FindUnit(unit)) return unit;
@@ -249,7 +278,9 @@ bool MayBe(const MachineInput& signal, const LogColumn& column) {
   return !unit || unit->si == signal.si || IsRaw(unit->si);
 }
 
-UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
+namespace {
+
+UnitGuess ByHeaderOrSize(Role role, const LogColumn& column, const SharedSizes& sizes) {
   const std::string header = WrittenUnit(column);
   if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date) {
     UnitGuess written = AsWritten(header, column);
@@ -292,7 +323,7 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
   }
 }
 
-UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
+UnitGuess ByHeaderOrSize(const MachineInput& signal, const LogColumn& column) {
   const std::string written = WrittenUnitOf(column, signal.si);
   if (const auto unit = FindUnit(written); unit && (unit->si == signal.si || unit->si != "1")) {
     if (unit->si == signal.si) return AsWritten(written, column);
@@ -318,6 +349,30 @@ UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
             Tell("{} fit no usual unit", "{} passen zu keiner üblichen Einheit", seen), false};
   return {fitting.front(), 1, 0, Tell("{} fit {}", "{} passen zu {}", seen, fitting.front()),
           fitting.size() == 1};
+}
+
+/// What stands in the header's brackets may be a unit that is not known here: then the size alone says nothing for sure.
+UnitGuess WithUnknownUnit(UnitGuess guess, const LogColumn& column) {
+  constexpr std::size_t kLongest = 8;  // characters of a unit; longer words are remarks
+  const bool unknown =
+      !column.unit.empty() && column.unit.size() <= kLongest && KnownSpelling(column.unit).empty();
+  if (!unknown || column.unit_chosen) return guess;
+  guess.sure = false;
+  guess.why = Tell(
+      "{}; if \"{}\" in the header is a unit, it is none that is known here: write scale and unit",
+      "{}; falls „{}“ in der Kopfzeile eine Einheit ist, ist sie hier nicht bekannt: Skalierung und Einheit eintragen",
+      guess.why, column.unit);
+  return guess;
+}
+
+}  // namespace
+
+UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
+  return WithUnknownUnit(ByHeaderOrSize(role, column, sizes), column);
+}
+
+UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
+  return WithUnknownUnit(ByHeaderOrSize(signal, column), column);
 }
 
 namespace {

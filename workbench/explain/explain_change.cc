@@ -259,6 +259,7 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
     if (later.verdict == Verdict::kAdequate) later.verdict = Verdict::kNamed;
     later.groups.push_back(std::move(group));
   }
+  DoubtForUnmeasured(after.machine, later);
   DoubtForTwinNotStored(later);
   return result;
 }

@@ -14,6 +14,7 @@
 #include "models/find_effect.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
+#include "workbench/explain/untried_causes.h"
 #include "workbench/model/machine_model.h"
 
 namespace hydroscope {
@@ -167,6 +168,11 @@ Told WhyEpisodesDoNotTell(const ExplainResult& result) {
 
 }  // namespace
 
+void DoubtForUnmeasured(const Machine& machine, Explanation& x) {
+  DoubtForUntried(
+      machine, [&](int channel) { return x.model->channel_source[channel] >= 0; }, x);
+}
+
 void DoubtForTwinNotStored(Explanation& x) {
   if (x.partial || x.set.empty()) return;
   for (const std::string& named : x.set)
@@ -219,6 +225,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   auto out = ExplainUnits(history, own);
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
+  DoubtForUnmeasured(history.machine, x);
   DoubtForTwinNotStored(x);
   DoubtForUntriedLaws(x);
   SayWhatALogWouldTell(history, x);

@@ -17,6 +17,8 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
 
 /// Flags a set of which a twin is in no stored Gram (Effect::twins, Effect::needs_samples): it was not tried.
 void DoubtForTwinNotStored(Explanation& x);
+/// The same of causes that need a signal the machine file does not have (untried_causes.h).
+void DoubtForUnmeasured(const Machine& machine, Explanation& x);
 
 /// The same with `options` as they are: start, thresholds and all.
 Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& options);

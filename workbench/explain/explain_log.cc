@@ -11,6 +11,7 @@
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
+#include "workbench/explain/untried_causes.h"
 
 namespace hydroscope {
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
@@ -77,28 +78,6 @@ bool HasSamples(const LogStrokes& log, const ModelStructure& model, int channel)
          std::ranges::any_of(log.stretches, [&](const StrokeStretches& stroke) {
            return std::ranges::any_of(stroke, is_good);
          });
-}
-
-/// A cause much like one that is named, with no more free numbers, may be the right one where a signal it needs is not
-/// measured, so that it could not be tried.
-void DoubtForUntried(const LogStrokes& log, Explanation& x) {
-  const ModelStructure& model = *x.model;
-  if (x.partial || x.set.empty() || model.kind->effects == nullptr) return;
-  for (const auto& untried : model.kind->effects(log.machine)) {
-    const auto missing = std::ranges::find_if(untried->channels,
-                                              [&](int channel) { return !HasSamples(log, model, channel); });
-    if (missing == untried->channels.end()) continue;
-    const bool is_like = std::ranges::any_of(model.effects, [&](const auto& named) {
-      return Contains(x.set, named->id) && Contains(untried->confused_with, named->id) &&
-             untried->nonlinear.size() <= named->nonlinear.size();
-    });
-    if (!is_like) continue;
-    x.partial = true;
-    x.doubt = Tell("{} may be the cause as well and could not be tried: {} is not measured",
-                   "{} kann ebenso die Ursache sein und war nicht zu prüfen: {} wird nicht gemessen",
-                   untried->id, model.channel_names[*missing]);
-    return;
-  }
 }
 
 /// A play, a lag or a delay of a signal that was stored at some rows only may be what the storage made of it.
@@ -223,7 +202,8 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   if (!x.base.solved) return out;
   WarnOfFloor(floor, out.explanation);
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
-  DoubtForUntried(log, out.explanation);
+  DoubtForUntried(
+      log.machine, [&](int channel) { return HasSamples(log, *x.model, channel); }, out.explanation);
   DoubtForStorage(floor, out.explanation);
   DoubtForResolution(floor, out.explanation);
   DoubtForEcho(log, out.explanation);

@@ -158,9 +158,11 @@ std::string ProposedText(const ExplainResult& result) {
 std::string DoubtText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   if (x.doubt.empty()) return "";
-  return RelativesText(result) +
-         fmt::format("  Not proven: {}. The cause may be a relative of {} that the library does not hold.\n",
-                     x.doubt.english, x.set.size() == 1 ? "this effect" : "these effects");
+  std::string text = RelativesText(result) + fmt::format("  Not proven: {}.", x.doubt.english);
+  if (x.unmeasured.empty())
+    text += fmt::format(" The cause may be a relative of {} that the library does not hold.",
+                        x.set.size() == 1 ? "this effect" : "these effects");
+  return text + "\n";
 }
 
 /// What is not so in all strokes.

@@ -9,7 +9,9 @@
 #include <random>
 
 #include "studies/simulated_strokes.h"
+#include "workbench/explain/explain_history.h"
 #include "workbench/explain/explain_log.h"
+#include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
 namespace {
@@ -99,6 +101,36 @@ TEST(NothingFalse, ALeakIsDoubtedWhereARivalNeedsASignalThatIsMissing) {
   EXPECT_TRUE(x.partial);
   EXPECT_THAT(x.doubt.english, HasSubstr("internal_leakage"));
   EXPECT_THAT(x.doubt.english, HasSubstr("p_B is not measured"));
+  EXPECT_THAT(x.unmeasured, ElementsAre("p_B"));
+}
+
+/// With the supply's pressure a leak past its edge stands beside the seal's; without it no less. What takes away a name comes
+/// first, also where there are other doubts, and the next step is to measure it. Stored strokes say the same.
+TEST(NothingFalse, ALeakIsDoubtedWhereTheSupplyIsNotMeasured) {
+  PressOptions options = ASeenPress(3);
+  options.effects = {{"internal_leakage", 8e-13, {}}};
+  Machine machine = MachineFor(options);
+  std::erase_if(machine.signals, [](const SignalSpec& signal) { return signal.name == "p_0"; });
+  const auto strokes = StrokesOf(SimulatePress(options), machine, KeepSamples::kYes);
+  const auto result = ExplainStrokes(*strokes);
+  const Explanation& x = result->explanation;
+  EXPECT_THAT(x.set, Contains("internal_leakage"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, testing::StartsWith("supply_leakage may be the cause as well"));
+  EXPECT_THAT(WhatToRecord(*result)->english, HasSubstr("Measure p_0 as well"));
+
+  StrokeHistory history;
+  history.machine = machine;
+  history.model = strokes->model;
+  history.window = strokes->window;
+  history.units = strokes->Grams();
+  for (std::int64_t k = 0; k < std::ssize(history.units); ++k)
+    history.unit_parts.push_back({machine.name, 1, k, k + 1});
+  for (const StrokeRecord& stroke : strokes->strokes) history.sample.push_back(stroke.summary);
+  const Explanation stored = ExplainHistory(history)->explanation;
+  ASSERT_THAT(stored.set, Contains("internal_leakage"));
+  EXPECT_TRUE(stored.partial);
+  EXPECT_THAT(stored.doubt.english, HasSubstr("p_0 is not measured"));
 }
 
 /// The pressure of the rod side moves so little here that the seal's leak by itself explains all of both.

@@ -131,6 +131,15 @@ Told Sentences(std::vector<Told> sentences) {
   return Joined(sentences, " ");
 }
 
+/// The signals without which a cause much like those named could not be tried.
+Told ToMeasure(const Explanation& x) {
+  if (x.unmeasured.empty()) return {};
+  return Tell(
+      "Measure {} as well, with a line in [signals] of the machine file: without it the cause is not proven.",
+      "Auch {} messen, mit einer Zeile in [signals] der Maschinendatei: ohne das ist die Ursache nicht belegt.",
+      fmt::to_string(fmt::join(x.unmeasured, ", ")));
+}
+
 }  // namespace
 
 std::optional<Told> WhatToRecord(const ExplainResult& result) {
@@ -147,7 +156,8 @@ std::optional<Told> WhatToRecord(const ExplainResult& result) {
   const std::optional<Told> monotony = Monotony(result);
   if (x.verdict == Verdict::kAmbiguous) {
     const Told off_the_log = OffTheLog(result);
-    if (result.experiment.proposed()) return Sentences({ExperimentText(result.experiment), off_the_log});
+    if (result.experiment.proposed())
+      return Sentences({ExperimentText(result.experiment), off_the_log, ToMeasure(x)});
     const Told separating = Sentences(
         {result.log.model->kind->experiment.on == nullptr
              ? Tell("Nothing can be computed to record on a {}.",
@@ -155,11 +165,14 @@ std::optional<Told> WhatToRecord(const ExplainResult& result) {
                     result.log.model->kind->title)
              : Tell("No series of strokes within [experiment] of the machine file would settle it.",
                     "Keine Reihe von Hüben innerhalb von [experiment] der Maschinendatei würde es klären."),
-         off_the_log.empty() ? Separating(result) : off_the_log});
+         off_the_log.empty() ? Separating(result) : off_the_log, ToMeasure(x)});
     return monotony ? Sentences({*monotony, separating}) : separating;
   }
   if (monotony) return monotony;
-  if (x.verdict == Verdict::kNamed) return std::nullopt;
+  if (x.verdict == Verdict::kNamed) {
+    const Told measure = ToMeasure(x);
+    return measure.empty() ? std::nullopt : std::optional(measure);
+  }
   const Told exciting = Exciting(result);
   return exciting.empty() ? std::nullopt : std::optional(exciting);
 }
