@@ -22,7 +22,8 @@ bool GroupsDigits(std::string_view text) {
   const char sign = text[first];
   std::size_t groups = 0, at = first;
   while (at < text.size() && text[at] == sign) {
-    if (at + 3 >= text.size() || !std::all_of(text.begin() + at + 1, text.begin() + at + 4, IsDigit)) return false;
+    if (at + 3 >= text.size() || !std::all_of(text.begin() + at + 1, text.begin() + at + 4, IsDigit))
+      return false;
     ++groups;
     at += 4;
   }
@@ -36,11 +37,12 @@ Status CheckGroups(const LogHead& head, const std::string& path) {
     const LogWords& words = head.words[c];
     if (static_cast<double>(words.rows) < kMost * static_cast<double>(head.rows())) continue;
     if (words.seen.empty() || !std::ranges::all_of(words.seen, GroupsDigits)) continue;
-    return BadInput(Tell("log '{}', column '{}': the numbers group their digits (\"{}\"), which can mean several things; export "
-                         "them without a sign between thousands",
-                         "Log '{}', Spalte '{}': die Zahlen gruppieren ihre Ziffern („{}“), was mehreres heißen kann; ohne "
-                         "Tausendertrennzeichen exportieren",
-                         path, head.layout.names[c], words.seen.front()));
+    return BadInput(Tell(
+        "log '{}', column '{}': the numbers group their digits (\"{}\"), which can mean several things; export "
+        "them without a sign between thousands",
+        "Log '{}', Spalte '{}': die Zahlen gruppieren ihre Ziffern („{}“), was mehreres heißen kann; ohne "
+        "Tausendertrennzeichen exportieren",
+        path, head.layout.names[c], words.seen.front()));
   }
   return {};
 }
@@ -70,11 +72,12 @@ Status CheckLongForm(const LogHead& head, const std::string& path) {
     }
     const bool alternates = static_cast<double>(changes) > kMost * static_cast<double>(rows);
     if (changes == 0 || (!alternates && anew < changes)) continue;
-    return BadInput(Tell("log '{}': each row holds one value, and column '{}' names its signal (\"{}\", \"{}\", ...); expected one "
-                         "row for each time with a column for each signal. Export it so, or pivot it",
-                         "Log '{}': jede Zeile enthält einen Wert, und Spalte '{}' nennt sein Signal („{}“, „{}“, ...); erwartet "
-                         "eine Zeile je Zeitpunkt mit einer Spalte je Signal. So exportieren, oder pivotieren",
-                         path, head.layout.names[c], words.seen[0], words.seen[1]));
+    return BadInput(Tell(
+        "log '{}': each row holds one value, and column '{}' names its signal (\"{}\", \"{}\", ...); expected one "
+        "row for each time with a column for each signal. Export it so, or pivot it",
+        "Log '{}': jede Zeile enthält einen Wert, und Spalte '{}' nennt sein Signal („{}“, „{}“, ...); erwartet "
+        "eine Zeile je Zeitpunkt mit einer Spalte je Signal. So exportieren, oder pivotieren",
+        path, head.layout.names[c], words.seen[0], words.seen[1]));
   }
   return {};
 }
@@ -86,11 +89,12 @@ Status CheckOrder(const LogHead& head, const std::string& path) {
   const std::vector<double>& time = head.columns[c];
   for (std::size_t row = 1; row < time.size(); ++row)
     if (!(time[row] < time[row - 1])) return {};
-  return BadInput(Tell("log '{}', column '{}': the time falls from row to row: the newest row stands first. Sort the rows by time, "
-                       "the oldest first",
-                       "Log '{}', Spalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen nach "
-                       "der Zeit sortieren, die älteste zuerst",
-                       path, head.layout.names[c]));
+  return BadInput(Tell(
+      "log '{}', column '{}': the time falls from row to row: the newest row stands first. Sort the rows by time, "
+      "the oldest first",
+      "Log '{}', Spalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen nach "
+      "der Zeit sortieren, die älteste zuerst",
+      path, head.layout.names[c]));
 }
 
 }  // namespace

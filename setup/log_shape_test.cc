@@ -38,23 +38,27 @@ TEST(LogShape, NumbersInGroupsOfDigitsAreNamed) {
 
 TEST(LogShape, WordsThatAreNoSuchNumbersAreLeftAlone) {
   for (const char* word : {"RUN", "1.2.3", "192.168.10.200", "12:30", "v1.200,5"})
-    EXPECT_EQ(FaultOf(Rows("t;p;z", [&](int k) { return fmt::format("0,{:02};{};{}", k, word, k); })), "") << word;
+    EXPECT_EQ(FaultOf(Rows("t;p;z", [&](int k) { return fmt::format("0,{:02};{};{}", k, word, k); })), "")
+        << word;
 }
 
 TEST(LogShape, OneValueInARowBesideTheNameOfItsSignalIsNamed) {
   const std::string wanted = "column 'signal' names its signal (\"p_A\", \"z\", ...)";
-  EXPECT_THAT(FaultOf(Rows("t,signal,value",
-                           [](int k) { return fmt::format("{},{},{}", k / 2, k % 2 ? "z" : "p_A", 0.5 * k); })),
-              HasSubstr(wanted));
-  EXPECT_THAT(FaultOf(Rows("signal,t,value",
-                           [](int k) { return fmt::format("{},{},{}", k < 20 ? "p_A" : "z", k % 20, 0.5 * k); })),
-              HasSubstr(wanted));
+  EXPECT_THAT(
+      FaultOf(Rows("t,signal,value",
+                   [](int k) { return fmt::format("{},{},{}", k / 2, k % 2 ? "z" : "p_A", 0.5 * k); })),
+      HasSubstr(wanted));
+  EXPECT_THAT(
+      FaultOf(Rows("signal,t,value",
+                   [](int k) { return fmt::format("{},{},{}", k < 20 ? "p_A" : "z", k % 20, 0.5 * k); })),
+      HasSubstr(wanted));
 }
 
 TEST(LogShape, AStateOfTheMachineBesideItsSignalsIsNone) {
-  EXPECT_EQ(FaultOf(Rows("t,state,p_A",
-                         [](int k) { return fmt::format("{},{},{}", k, k % 10 < 5 ? "up" : "down", 0.5 * k); })),
-            "");
+  EXPECT_EQ(
+      FaultOf(Rows("t,state,p_A",
+                   [](int k) { return fmt::format("{},{},{}", k, k % 10 < 5 ? "up" : "down", 0.5 * k); })),
+      "");
 }
 
 TEST(LogShape, RowsFromTheNewestToTheOldestAreNamed) {

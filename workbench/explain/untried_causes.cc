@@ -24,7 +24,8 @@ bool IsLike(const Effect& untried, const Effect& named) {
 
 }  // namespace
 
-void DoubtForUntried(const Machine& machine, const std::function<bool(int channel)>& measured, Explanation& x) {
+void DoubtForUntried(const Machine& machine, const std::function<bool(int channel)>& measured,
+                     Explanation& x) {
   const ModelStructure& model = *x.model;
   if (x.set.empty() || model.kind->effects == nullptr) return;
   std::vector<std::string> untried;
@@ -37,7 +38,8 @@ void DoubtForUntried(const Machine& machine, const std::function<bool(int channe
     for (const int channel : effect->channels) {
       if (measured(channel)) continue;
       missing = true;
-      if (!Contains(x.unmeasured, model.channel_names[channel])) x.unmeasured.push_back(model.channel_names[channel]);
+      if (!Contains(x.unmeasured, model.channel_names[channel]))
+        x.unmeasured.push_back(model.channel_names[channel]);
     }
     if (missing) untried.push_back(effect->id);
   }
