@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, dragThreshold, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -212,17 +212,7 @@ test("a threshold of the gate is dragged, and the strokes are counted anew", asy
   const field = page.getByLabel(`${bound} from`), other = page.getByLabel(`${bound} to`);
   const before = [await field.inputValue(), await other.inputValue()];
   const counted = await page.locator(".log-view [role=status]").innerText();
-  const box = await plot.locator(".u-over").boundingBox();
-  let line = -1;  // where the pointer says that it can take hold of something
-  for (let y = box.y + box.height - 2; y > box.y && line < 0; y -= 4) {
-    await page.mouse.move(box.x + box.width / 2, y);
-    if (await plot.evaluate((place) => place.style.cursor === "ns-resize")) line = y - 6;
-  }
-  assert.ok(line > 0, "there is a line to drag");
-  await page.mouse.move(box.x + box.width / 2, line);
-  await page.mouse.down();
-  await page.mouse.move(box.x + box.width / 2, line - box.height / 2, { steps: 5 });
-  await page.mouse.up();
+  await dragThreshold(page, plot);
   await until(page, `JSON.stringify([${JSON.stringify(`${bound} from`)}, ${JSON.stringify(`${bound} to`)}].map((name) => document.querySelector(\`[aria-label="\${name}"]\`).value)) !== ${JSON.stringify(JSON.stringify(before))}`);
   await until(page, `document.querySelector(".log-view [role=status]").textContent !== ${JSON.stringify(counted)}`);
 });
@@ -247,6 +237,20 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
   await assertAccessible(page, "measured");
   await page.click(".measured button:has-text('Forget')");
   await page.waitForSelector("[data-verdict=ambiguous]");
+});
+
+test("the menu of units closes with every step that one goes to", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  await page.goto(`${address}#step=check`);
+  await page.waitForSelector("[data-verdict]");
+  for (const step of ["compare", "locate", "add", "confirm", "promote", "check"]) {
+    for (const go of [() => page.goto(`${address}#step=${step}`), () => page.click(`.stepper li:nth-child(2) button`)]) {
+      await page.click(".unit-menu summary");
+      await page.waitForSelector(".unit-menu[open] select");
+      await go();
+      await page.waitForSelector(".unit-menu:not([open])");
+    }
+  }
 });
 
 test("units are those that the reader chose, everywhere, and are remembered", async (t) => {
@@ -513,4 +517,19 @@ test("the page says that the program is gone and finds it again, with what was t
   await first.page.waitForSelector(".lost", { state: "detached" });
   await drop(first.page, [join(place.path, "hidden.csv")]);  // the token of the new program is fetched
   await first.page.waitForSelector(".pin.sure");
+});
+
+test("a program that begins anew at the same port works everything out anew, and the page shows it", async (t) => {
+  const words = ["hidden.csv", "--machine", cushion];
+  const first = await visit(t, words);
+  const port = new URL(first.address).port, { page } = first;
+  await page.goto(`${first.address}#step=compare`);
+  await page.waitForSelector("[data-verdict]");
+  await first.served.stop();
+  await page.waitForSelector(".lost");
+  const again = await open([...words, "--port", port], place.path);
+  t.after(() => again.stop());
+  await page.waitForSelector(".lost", { state: "detached" });
+  await page.waitForSelector(".scrubber");
+  await page.waitForSelector("[data-verdict]");
 });

@@ -7,6 +7,7 @@ import { fileURLToPath } from "node:url";
 import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
 import { patience } from "./browser_fixture.mjs";
 import { browser, folder, open, run, serve } from "./program.mjs";
+import { makeSpindle } from "./spindle.mjs";
 
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
@@ -23,6 +24,7 @@ run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], pla
 run(["simulate", "valve", "--out", "new.csv"], place.path);
 run(["simulate", "valve", "--out", "worn.csv", "--f0", "120", "--damping", "0.9", "--seed", "2"], place.path);
 
+makeSpindle(place.path);
 makeHistory(place.path);
 addValveChecks(place.path);
 makeBeginning(place.path);
@@ -87,6 +89,31 @@ async function takeService(page, shoot, name) {
   await served.stop();
 }
 
+/** The page of a machine of one's own: without a log, with what is wrong while it is written, and whole. */
+async function takeOwn(page, shoot) {
+  const own = await open([], place.path);
+  await page.goto(`${own.address}#page=own`);
+  await page.waitForSelector(".own-machine .balance");
+  await shoot(page, "own-start");
+  await page.setInputFiles("input[type=file]", join(place.path, "spindel.csv"));
+  await page.waitForSelector(".own-machine .pin");
+  const [force, pressure, way] = await page.locator(".columns .role button").allInnerTexts();
+  await page.fill("input[name=balance-output]", force);
+  await page.fill("input[name=balance-expression-0]", `${pressure} + ${way}`);
+  await page.waitForSelector(".balance pre.problem");
+  await page.waitForSelector(".log-view .plot canvas");
+  await shoot(page, "own-wrong");
+  await page.fill("input[name=balance-expression-0]", pressure);
+  await page.click(".effects > button");
+  await page.fill("input[name=effect-id-0]", "reibung");
+  await page.fill("input[name=effect-expression-0]", `sign(ddt(${way}))`);
+  await page.uncheck(".effects input[type=checkbox]");
+  await page.waitForSelector(".effects .law .plot canvas");
+  await page.waitForSelector("p.verdict.good");
+  await shoot(page, "own");
+  await own.stop();
+}
+
 /** The same states in each look. */
 async function take(name, viewport, colorScheme, locale) {
   const shoot = async (page, state) => {
@@ -99,6 +126,8 @@ async function take(name, viewport, colorScheme, locale) {
   if (only !== "service") await takeWatching(page, shoot);
   await takeService(page, shoot, name);
   if (only === "watch" || only === "service") return context.close();
+
+  await takeOwn(page, shoot);
 
   const first = await open([], place.path);
   await page.goto(first.address);
@@ -210,10 +239,6 @@ async function take(name, viewport, colorScheme, locale) {
   await shoot(page, "mapping-pump");
   await page.locator(".sizes").first().scrollIntoViewIfNeeded();
   await shoot(page, "mapping-sizes");
-  await page.selectOption("select[name=kind]", "expressions");
-  await page.waitForSelector(".balance");
-  await page.locator(".balance").scrollIntoViewIfNeeded();
-  await shoot(page, "mapping-balance");
   await alone.stop();
   await context.close();
 }

@@ -242,6 +242,20 @@ test("the head stands in one line on a laptop in German, and alarms and tags are
   }
 });
 
+test("fingers are told what fingers can do", async (t) => {
+  for (const [options, trends, learn] of [
+    [{ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, /Tap to read values; the buttons/, /Tap to read values; which strokes/],
+    [{}, /Drag to zoom, Ctrl and wheel/, /Drag to zoom, Ctrl and wheel/],
+  ]) {
+    const { page, address } = await visit(t, words, options);
+    for (const [view, said] of [["trends&p=K", trends], ["learn", learn]]) {
+      await page.goto(`${address}#view=${view}`);
+      await page.waitForSelector(".trend-plot canvas");
+      assert.match(await page.locator("main").innerText(), said);
+    }
+  }
+});
+
 test("an alarm that another program changes shows without loading anew", async (t) => {
   const own = copyOfHistory("elsewhere");
   const { page, address } = await visit(t, own);
