@@ -199,8 +199,8 @@ test("another step, and an effect chosen from further down, are seen from their 
   }
 });
 
-test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {
-  const { page, address } = await visit(t, []);
+for (const finger of [false, true]) test(`a threshold of the gate is dragged with ${finger ? "a finger" : "the mouse"}, and the strokes are counted anew`, async (t) => {
+  const { page, address } = await visit(t, [], finger ? { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true } : {});
   await page.goto(address);
   await drop(page, [join(place.path, "hidden.csv")]);
   await page.waitForSelector(".pin.sure");
@@ -212,7 +212,7 @@ test("a threshold of the gate is dragged, and the strokes are counted anew", asy
   const field = page.getByLabel(`${bound} from`), other = page.getByLabel(`${bound} to`);
   const before = [await field.inputValue(), await other.inputValue()];
   const counted = await page.locator(".log-view [role=status]").innerText();
-  await dragThreshold(page, plot);
+  await dragThreshold(page, plot, finger);
   await until(page, `JSON.stringify([${JSON.stringify(`${bound} from`)}, ${JSON.stringify(`${bound} to`)}].map((name) => document.querySelector(\`[aria-label="\${name}"]\`).value)) !== ${JSON.stringify(JSON.stringify(before))}`);
   await until(page, `document.querySelector(".log-view [role=status]").textContent !== ${JSON.stringify(counted)}`);
 });

@@ -29,7 +29,7 @@ makeHistory(place.path);
 addValveChecks(place.path);
 makeBeginning(place.path);
 
-const wide = { width: 1500, height: 1000 }, phone = { width: 390, height: 844 };
+const wide = { viewport: { width: 1500, height: 1000 } }, phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 const chromium = await browser();
 
 /** The views of a database. */
@@ -115,12 +115,12 @@ async function takeOwn(page, shoot) {
 }
 
 /** The same states in each look. */
-async function take(name, viewport, colorScheme, locale) {
+async function take(name, device, colorScheme, locale) {
   const shoot = async (page, state) => {
     await page.waitForTimeout(250);
     await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: true });
   };
-  const context = await chromium.newContext({ viewport, colorScheme, locale });
+  const context = await chromium.newContext({ ...device, colorScheme, locale });
   const page = await context.newPage();
   page.setDefaultTimeout(patience);
   if (only !== "service") await takeWatching(page, shoot);
