@@ -372,4 +372,5 @@ test("a machine of one's own has a page of its own: from the first page and back
   await page.click("button.primary:has-text('Zur Werkbank')");
   await page.waitForSelector("[data-verdict]");
   assert.match(await page.locator(".verdict-panel").innerText(), /Dem Modell fehlt[^]*reibung/);
+  assert.doesNotMatch(await page.locator(".verdict-panel").innerText(), /Wonach zu sehen ist/, "of an effect of one's own nobody has told it");
 });
