@@ -259,6 +259,17 @@ test("an alarm arrives while the page is open, is acknowledged there, and surviv
   await again.page.waitForSelector(".detail[data-state=ACKED]");
 });
 
+test("what happened is called as its alarm, in both languages, also where a rule raised it", async (t) => {
+  const own = copyOfHistory("pilot");
+  run(["replay", "late.csv", "--machine", "press.toml", "--db", "pilot.db"], place.path);  // judges the valve checks
+  for (const [locale, said] of [["en-US", "Valve slower: lower natural frequency"], ["de-DE", "Ventil langsamer: kleinere Eigenfrequenz"]]) {
+    const { page, address } = await visit(t, own, { locale });
+    await page.goto(`${address}#view=trends&p=K&x=stroke`);
+    await page.waitForSelector(`.marks button:has-text("${said}")`);
+    assert.doesNotMatch(await page.locator(".marks").innerText(), /slow_pilot_stage/);
+  }
+});
+
 test("fingers are told what fingers can do", async (t) => {
   for (const [options, trends, learn] of [
     [{ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, /Tap to read values; the buttons/, /Tap to read values; which strokes/],
