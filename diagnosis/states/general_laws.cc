@@ -142,14 +142,14 @@ std::vector<LawContender> ContendersBeside(const StateCandidate& set, const Gene
 }  // namespace
 
 std::vector<GeneralShape> GeneralShapes(const std::string& of) {
-  return {{"{0}^2", of + "^2"},
-          {"{0}^3", of + "^3"},
-          {"{0}^5", of + "^5"},
-          {"{0}*abs({0})", fmt::format("{0}*abs({0})", of)},
-          {"tanh(10*{0})", Tell("a step in {}", "eine Stufe in {}", of)},
-          {"max({0} - knee, 0)", Tell("what begins above some {}", "ein Anteil ab einem bestimmten {}", of)},
-          {"max(knee - {0}, 0)",
-           Tell("what begins below some {}", "ein Anteil bis zu einem bestimmten {}", of)}};
+  return {
+      {"{0}^2", of + "^2"},
+      {"{0}^3", of + "^3"},
+      {"{0}^5", of + "^5"},
+      {"{0}*abs({0})", fmt::format("{0}*abs({0})", of)},
+      {"tanh(10*{0})", Tell("a step in {}", "eine Stufe in {}", of)},
+      {"max({0} - knee, 0)", Tell("what begins above some {}", "ein Anteil ab einem bestimmten {}", of)},
+      {"max(knee - {0}, 0)", Tell("what begins below some {}", "ein Anteil bis zu einem bestimmten {}", of)}};
 }
 
 std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect) {

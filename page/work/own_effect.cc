@@ -40,8 +40,10 @@ Status CheckOwnEffectId(const std::string& id) {
 
 Result<OwnEffect> ParseOwnEffect(const std::string& body) {
   OwnEffect effect;
-  for (const auto& [key, text] :
-       {std::pair("id", &effect.id), {"expression", &effect.expression}, {"unit", &effect.unit}, {"output", &effect.output}}) {
+  for (const auto& [key, text] : {std::pair("id", &effect.id),
+                                  {"expression", &effect.expression},
+                                  {"unit", &effect.unit},
+                                  {"output", &effect.output}}) {
     *text = TRY(ParseText(body, key));
   }
   const nlohmann::json json = nlohmann::json::parse(body, nullptr, false);

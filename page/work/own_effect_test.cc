@@ -54,7 +54,8 @@ TEST(OwnEffect, TheOutputOfABalanceThatIsBeingWrittenIsRefusedAtItsPlace) {
     const auto course = draft.Look({"term", expression, "", false, false, output});
     return course ? Error{} : course.error();
   };
-  EXPECT_EQ(look("1*p + p", "p").text, "p is the output itself, and would explain all of it\n    1*p + p\n      ^");
+  EXPECT_EQ(look("1*p + p", "p").text,
+            "p is the output itself, and would explain all of it\n    1*p + p\n      ^");
   EXPECT_THAT(look("1*p + p", "p").german, HasSubstr("p ist der Ausgang selbst"));
   EXPECT_EQ(look("ddt(p)", "p").text, "");
   EXPECT_EQ(look("p", "x").text, "");
