@@ -57,6 +57,9 @@ TEST(OwnEffect, TheOutputOfABalanceThatIsBeingWrittenIsRefusedAtItsPlace) {
   EXPECT_EQ(look("1*p + p", "p").text,
             "p is the output itself, and would explain all of it\n    1*p + p\n      ^");
   EXPECT_THAT(look("1*p + p", "p").german, HasSubstr("p ist der Ausgang selbst"));
+  EXPECT_THAT(look("x + p", "p").text,
+              testing::AllOf(HasSubstr("puts m and Pa together"), HasSubstr("\np is the output itself")))
+      << "of two problems both, without their places in the file";
   EXPECT_EQ(look("ddt(p)", "p").text, "");
   EXPECT_EQ(look("p", "x").text, "");
   EXPECT_EQ(look("p", "2*p").text, "") << "of a product any term may read it";
