@@ -518,18 +518,3 @@ test("the page says that the program is gone and finds it again, with what was t
   await drop(first.page, [join(place.path, "hidden.csv")]);  // the token of the new program is fetched
   await first.page.waitForSelector(".pin.sure");
 });
-
-test("a program that begins anew at the same port works everything out anew, and the page shows it", async (t) => {
-  const words = ["hidden.csv", "--machine", cushion];
-  const first = await visit(t, words);
-  const port = new URL(first.address).port, { page } = first;
-  await page.goto(`${first.address}#step=compare`);
-  await page.waitForSelector("[data-verdict]");
-  await first.served.stop();
-  await page.waitForSelector(".lost");
-  const again = await open([...words, "--port", port], place.path);
-  t.after(() => again.stop());
-  await page.waitForSelector(".lost", { state: "detached" });
-  await page.waitForSelector(".scrubber");
-  await page.waitForSelector("[data-verdict]");
-});
