@@ -38,8 +38,6 @@ Effect DescribeStateEffect(const Machine& machine, const UserEffectSpec& spec) {
   e.title = spec.description.empty() ? spec.id : spec.description;
   e.german.title = spec.german;
   e.source = "machine file";
-  e.plain = "An effect of the machine file.";
-  e.german.plain = "Ein Effekt der Maschinendatei.";
   e.adds = spec.adds;
   e.parameters = spec.parameters;
   Describe(machine, e);

@@ -59,8 +59,7 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
                               ErrorText(e.final, e.final.rms_holdout)));
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
-      if (const std::string plain = PlainWords(e.log.machine, effects, id); !plain.empty())
-        out.push_back(plain);
+      if (const std::string plain = PlainWords(effects, id); !plain.empty()) out.push_back(plain);
   if (x.verdict == Verdict::kAmbiguous)
     for (const auto& group : x.groups) {
       std::vector<std::string> names;

@@ -129,10 +129,10 @@ TEST_F(CommandLine, AnOutputThatExplainsItselfIsRefused) {
     return Run({"fit", File("own.csv"), "-m", File("own.toml")}).err;
   };
   EXPECT_THAT(machine("a = \"x\", b = \"2*U\""),
-              HasSubstr("terms without the output itself; b = \"2*U\" reads U"));
+              HasSubstr("b: U is the output itself, and would explain all of it\n    2*U\n      ^"));
   EXPECT_THAT(machine("a = \"x\", b = \"ddt(U)\""), Not(HasSubstr("the output itself")));
   EXPECT_THAT(machine("a = \"x\" }\n[[effect]]\nid = \"itself\"\nterms = { k = \"U\""),
-              HasSubstr("terms without the output itself; k = \"U\" reads U"));
+              HasSubstr("k: U is the output itself"));
 }
 
 TEST_F(CommandLine, AFileSizeLimitIsAnErrorAndNoCrash) {

@@ -54,7 +54,7 @@ class GeneralLaws {
     double size = 0;
   };
   /// `term`: of a size of one; `formula`: as people read it.
-  void Add(const std::vector<Equation>& equations, const std::string& term, const std::string& formula);
+  void Add(const std::vector<Equation>& equations, const std::string& term, const Told& formula);
 
   Machine machine_;
   std::vector<GeneralLaw> laws_;
@@ -84,21 +84,15 @@ GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>&
     const double spread = (at(0.95) - at(0.05)) / 2;
     if (!(spread > 0)) continue;
     const std::string z = fmt::format("(({} - ({:.17g}))/{:.17g})", name, middle, spread);
-    for (const auto& [shape, formula] :
-         {std::pair("{0}^2", "{}^2"), std::pair("{0}^3", "{}^3"), std::pair("{0}^5", "{}^5"),
-          std::pair("{0}*abs({0})", "{0}*abs({0})"), std::pair("tanh(10*{0})", "a step in {}"),
-          std::pair("max({0} - knee, 0)", "what begins above some {}"),
-          std::pair("max(knee - {0}, 0)", "what begins below some {}")}) {
-      const std::string term = fmt::format(fmt::runtime(shape), z),
-                        read = fmt::format(fmt::runtime(formula), name);
-      for (const Equation& equation : equations) Add({equation}, term, read);
-      if (equations.size() > 1) Add(equations, term, read);
+    for (const auto& [shape, formula] : GeneralShapes(name)) {
+      const std::string term = fmt::format(fmt::runtime(shape), z);
+      for (const Equation& equation : equations) Add({equation}, term, formula);
+      if (equations.size() > 1) Add(equations, term, formula);
     }
   }
 }
 
-void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string& term,
-                      const std::string& formula) {
+void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string& term, const Told& formula) {
   constexpr double kFirst = 0.05, kMost = 1e3;  // of an equation's size
   GeneralLaw law;
   law.formula = formula;
@@ -110,7 +104,7 @@ void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string&
     law.equations.push_back(equation.name);
   }
   if (term.find(kKnee) != std::string::npos) effect.parameters.push_back({kKnee, 0, -1, 1});
-  law.id = fmt::format("{} in {}", formula, fmt::join(law.equations, ", "));
+  law.id = fmt::format("{} in {}", formula.english, fmt::join(law.equations, ", "));
   effect.id = law.id;
   machine_.user_effects.push_back(std::move(effect));
   laws_.push_back(std::move(law));
@@ -146,6 +140,17 @@ std::vector<LawContender> ContendersBeside(const StateCandidate& set, const Gene
 }
 
 }  // namespace
+
+std::vector<GeneralShape> GeneralShapes(const std::string& of) {
+  return {
+      {"{0}^2", of + "^2"},
+      {"{0}^3", of + "^3"},
+      {"{0}^5", of + "^5"},
+      {"{0}*abs({0})", fmt::format("{0}*abs({0})", of)},
+      {"tanh(10*{0})", Tell("a step in {}", "eine Stufe in {}", of)},
+      {"max({0} - knee, 0)", Tell("what begins above some {}", "ein Anteil ab einem bestimmten {}", of)},
+      {"max(knee - {0}, 0)", Tell("what begins below some {}", "ein Anteil bis zu einem bestimmten {}", of)}};
+}
 
 std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect) {
   const StatesExplanation& out = found.out;

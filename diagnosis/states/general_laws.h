@@ -13,8 +13,15 @@ namespace hydroscope {
 struct GeneralLaw {
   std::string id;
   std::vector<std::string> equations;  ///< of these states or outputs
-  std::string formula;                 ///< in a state or input
+  Told formula;                        ///< in a state or input
 };
+
+/// A function of one state or input that laws of general shape are made of.
+struct GeneralShape {
+  std::string term;  ///< of {0}, which is of a size of one
+  Told formula;      ///< as people read it
+};
+std::vector<GeneralShape> GeneralShapes(const std::string& of);
 
 /// A law of general shape (powers and a step of each state and input), in one of the equations that `effect` adds to or in all of
 /// them, that the machine file does not name and that does better in place of this effect of the set found, both fitted: a sentence

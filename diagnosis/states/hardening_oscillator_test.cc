@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <random>
 
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/search_sentences.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -128,6 +130,16 @@ parameters = {{ k_s = {{ start = 1e4, min = 0, max = 1e6 }}, g = {{ start = 1, m
   std::string file = kOscillator;
   const std::size_t cubic = file.find("[[effect]]");
   return file.replace(cubic, file.find("[[effect]]", cubic + 1) - cubic, fmt::format(kStop, adds));
+}
+
+TEST(ExplainStates, LawsOfGeneralShapeReadGermanInGermanSentences) {
+  int words = 0;
+  for (const GeneralShape& shape : GeneralShapes("u")) {
+    const Told told = NotToldFromGeneral("stop", {"law", {"v"}, shape.formula});
+    EXPECT_THAT(told.german, testing::Not(testing::ContainsRegex("what|some|step"))) << told.english;
+    words += shape.formula.InGerman() != shape.formula.english;
+  }
+  EXPECT_EQ(words, 3) << "the others are formulas";
 }
 
 /// That a cube would do better than the stop.

@@ -94,8 +94,6 @@ Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec,
   for (const ShapeSpec& s : spec.shape)
     e.nonlinear.push_back({s.name, s.unit.empty() ? "1" : s.unit, s.min, s.max});
   e.hidden_in = "-";
-  e.plain = "An effect of the machine file.";
-  e.german.plain = "Ein Effekt der Maschinendatei.";
   e.grid = GridOf(spec.shape);
   return e;
 }

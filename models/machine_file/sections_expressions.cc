@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "core/limits.h"
@@ -206,26 +207,30 @@ void CheckTermUnits(TableReader& section, const std::string& key, const std::vec
   }
 }
 
-/// Names an expression reads outside of ddt(...).
-void AddLevels(const ExpressionNode& node, std::set<std::string>& names) {
-  if (node.kind == ExpressionNode::Kind::kCall && node.text == "ddt") return;
-  if (node.kind == ExpressionNode::Kind::kName) names.insert(node.text);
-  for (const Expression& arg : node.args) AddLevels(*arg, names);
+/// The first place where an expression reads a name outside of ddt(...).
+std::optional<std::size_t> LevelOf(const std::string& name, const ExpressionNode& node) {
+  if (node.kind == ExpressionNode::Kind::kCall && node.text == "ddt") return {};
+  if (node.kind == ExpressionNode::Kind::kName && node.text == name) return node.at;
+  std::optional<std::size_t> first;
+  for (const Expression& arg : node.args)
+    if (const auto at = LevelOf(name, *arg); at && (!first || *at < *first)) first = at;
+  return first;
 }
 
 /// An output that is a signal must not explain itself: its term, in the balance or in an effect, would take everything.
 void RefuseOutputAsTerm(TableReader& section, const std::vector<TermSpec>& terms, const std::string& output) {
-  if (!IsName(output)) return;
+  const auto whole = ParseExpression(output);
+  if (!whole || (*whole)->kind != ExpressionNode::Kind::kName) return;
+  const std::string& name = (*whole)->text;
   for (const TermSpec& term : terms) {
     const auto tree = ParseExpression(term.expression);
-    if (!tree) continue;
-    std::set<std::string> levels;
-    AddLevels(**tree, levels);
-    if (levels.contains(output))
-      section.Wrong(
-          "terms",
-          fmt::format("terms without the output itself; {} = \"{}\" reads {}, and would explain all of it",
-                      term.parameter, term.expression, output));
+    const auto at = tree ? LevelOf(name, **tree) : std::nullopt;
+    if (!at) continue;
+    const toml::node* text = section.Table("terms")->get(term.parameter);
+    if (const toml::table* details = text->as_table()) text = details->get("expression");
+    ExpressionProblem(section, *text, term.parameter,
+                      {*at, Tell("{} is the output itself, and would explain all of it",
+                                 "{} ist der Ausgang selbst und würde ihn ganz erklären", name)});
   }
 }
 

@@ -298,10 +298,12 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
   return proposal;
 }
 
-std::string TextWithoutBalance(Machine machine) {
+std::string TextWithoutBalance(Machine machine, const std::string& output) {
   if (!KindOf(machine).own_library || machine.signals.empty()) return "";
+  const bool is_signal =
+      std::ranges::any_of(machine.signals, [&](const SignalSpec& signal) { return signal.name == output; });
   // A product: any term may read the signal.
-  machine.balance = {"1*" + machine.signals.front().name, "", {{"k", "1"}}};
+  machine.balance = {is_signal ? output : "1*" + machine.signals.front().name, "", {{"k", "1"}}};
   machine.user_effects.clear();
   return FormatMachine(machine);
 }

@@ -22,8 +22,8 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
 /// yet, or null).
 nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& proposal);
 
-/// The machine file of a machine of one's own whose balance is still being written: its signals and gate, with one of them as a
-/// balance. "" of other machines, and without signals.
-std::string TextWithoutBalance(Machine machine);
+/// The machine file of a machine of one's own whose balance is still being written: its signals and gate, with a balance of
+/// `output` where that is one of them, else of any. "" of other machines, and without signals.
+std::string TextWithoutBalance(Machine machine, const std::string& output = "");
 
 }  // namespace hydroscope

@@ -9,6 +9,7 @@ namespace hydroscope {
 void OwnDraft::Take(const Machine& machine) {
   std::string text = TextWithoutBalance(machine);
   if (text == text_) return;
+  machine_ = machine;
   text_ = std::move(text);
   stroke_.reset();
 }
@@ -18,7 +19,7 @@ void OwnDraft::Draw(const std::string& text, std::shared_ptr<const TermStroke> s
 }
 
 Result<nlohmann::json> OwnDraft::Look(const OwnEffect& term) const {
-  const auto text = TRY(WithOwnEffect(text_, term));
+  const auto text = TRY(WithOwnEffect(TextWithoutBalance(machine_, term.output), term));
   const auto machine = TRY(ParseMachine(text, "machine file"));
   return stroke_ == nullptr ? nlohmann::json() : stroke_->Course(machine, machine.user_effects.back());
 }

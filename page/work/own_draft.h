@@ -16,7 +16,7 @@ class OwnDraft {
  public:
   void Take(const Machine& machine);
   void Forget() { *this = {}; }
-  /// Its machine file with one of its signals as balance (TextWithoutBalance).
+  /// Its machine file without what is being written (TextWithoutBalance).
   const std::string& text() const { return text_; }
   /// `stroke` is of the draft that had this text.
   void Draw(const std::string& text, std::shared_ptr<const TermStroke> stroke);
@@ -24,6 +24,7 @@ class OwnDraft {
   Result<nlohmann::json> Look(const OwnEffect& term) const;
 
  private:
+  Machine machine_;
   std::string text_;  ///< "" = no machine of one's own
   std::shared_ptr<const TermStroke> stroke_;
 };

@@ -19,11 +19,16 @@ bool IsName(const std::string& text) {
          std::all_of(text.begin(), text.end(), fine);
 }
 
-/// A message of the machine file's parser without the place in the file, which nobody sees here.
-std::string WithoutEffectsPlace(const std::string& message) {
+/// Messages of the machine file's parser, each on lines of its own, without their places in the file, which nobody sees here.
+std::string WithoutEffectsPlace(std::string messages) {
   const std::string key = fmt::format("{}: ", kOwnEffectSize);
-  const std::size_t at = message.find("[effect"), after = message.find(key, at);
-  return at == message.npos || after == message.npos ? message : message.substr(after + key.size());
+  for (std::size_t at = 0; (at = messages.find("[effect", at)) != messages.npos;) {
+    const std::size_t after = messages.find(key, at), line = messages.rfind('\n', at);
+    if (after == messages.npos) break;
+    at = line == messages.npos ? 0 : line + 1;
+    messages.erase(at, after + key.size() - at);
+  }
+  return messages;
 }
 Error WithoutEffectsPlace(const Error& error) {
   return {error.kind, WithoutEffectsPlace(error.text), WithoutEffectsPlace(error.german)};
@@ -40,8 +45,10 @@ Status CheckOwnEffectId(const std::string& id) {
 
 Result<OwnEffect> ParseOwnEffect(const std::string& body) {
   OwnEffect effect;
-  for (const auto& [key, text] :
-       {std::pair("id", &effect.id), {"expression", &effect.expression}, {"unit", &effect.unit}}) {
+  for (const auto& [key, text] : {std::pair("id", &effect.id),
+                                  {"expression", &effect.expression},
+                                  {"unit", &effect.unit},
+                                  {"output", &effect.output}}) {
     *text = TRY(ParseText(body, key));
   }
   const nlohmann::json json = nlohmann::json::parse(body, nullptr, false);

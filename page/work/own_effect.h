@@ -13,8 +13,9 @@ struct OwnEffect {
   std::string unit;          ///< SI, of the size; "" = follows from the expression
   bool not_negative = true;  ///< physics allows no negative size
   bool keep = false;         ///< into the machine file, not looked at only
+  std::string output = {};   ///< of a balance that is being written: what it is of, which no term may read
 };
-/// Of {"id", "expression", "unit", "not_negative", "keep"}. Errors as ParseWorkRequest.
+/// Of {"id", "expression", "unit", "not_negative", "keep", "output"}. Errors as ParseWorkRequest.
 Result<OwnEffect> ParseOwnEffect(const std::string& body);
 
 /// Name of the size of every effect written on the page.

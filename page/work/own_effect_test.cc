@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "models/machine.h"
+#include "page/work/own_draft.h"
 
 namespace hydroscope {
 namespace {
@@ -41,6 +43,27 @@ TEST(OwnEffect, MarksThePlaceOfWhatIsWrong) {
   EXPECT_THAT(ProblemOf("p*sin(x"), HasSubstr("ends here"));
   EXPECT_EQ(ProblemOf("p*foo").find("seal"), std::string::npos);
   EXPECT_EQ(ProblemOf("p*sign(ddt(x))"), "");
+}
+
+TEST(OwnEffect, TheOutputOfABalanceThatIsBeingWrittenIsRefusedAtItsPlace) {
+  const auto machine = ParseMachine(SealFile(), "seal.toml");
+  ASSERT_TRUE(machine);
+  OwnDraft draft;
+  draft.Take(*machine);
+  const auto look = [&](const std::string& expression, const std::string& output) {
+    const auto course = draft.Look({"term", expression, "", false, false, output});
+    return course ? Error{} : course.error();
+  };
+  EXPECT_EQ(look("1*p + p", "p").text,
+            "p is the output itself, and would explain all of it\n    1*p + p\n      ^");
+  EXPECT_THAT(look("1*p + p", "p").german, HasSubstr("p ist der Ausgang selbst"));
+  EXPECT_THAT(look("x + p", "p").text,
+              testing::AllOf(HasSubstr("puts m and Pa together"), HasSubstr("\np is the output itself")))
+      << "of two problems both, without their places in the file";
+  EXPECT_EQ(look("ddt(p)", "p").text, "");
+  EXPECT_EQ(look("p", "x").text, "");
+  EXPECT_EQ(look("p", "2*p").text, "") << "of a product any term may read it";
+  EXPECT_EQ(look("p", "nothing").text, "");
 }
 
 TEST(OwnEffect, RefusesAnIdThatIsThereAlready) {

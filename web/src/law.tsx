@@ -13,7 +13,7 @@ const pause = 250;  // ms without a key after which what was written is looked a
 export interface Course { stroke: number; step: number; values: (number | null)[]; unit: string }
 
 /** Looks at an expression, again when `over` changes. `problem`: "none", or null where nothing is written. */
-export function useLaw(written: { id: string; expression: string; not_negative: boolean }, over: unknown = null) {
+export function useLaw(written: { id: string; expression: string; not_negative: boolean; output?: string }, over: unknown = null) {
   const [problem, setProblem] = useState<Failure | "none" | null>(null);
   const [course, setCourse] = useState<Course | null>(null);
   useEffect(() => {
@@ -24,7 +24,7 @@ export function useLaw(written: { id: string; expression: string; not_negative: 
       post<{ course: Course | null }>("effect", written).then((answer) => says("none", answer.course), (caught) => says(failureOf(caught), null));
     }, pause);
     return () => { wanted = false; clearTimeout(timer); };
-  }, [written.id, written.expression, written.not_negative, over]);
+  }, [written.id, written.expression, written.not_negative, written.output, over]);
   return { problem, course, setProblem };
 }
 

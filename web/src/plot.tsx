@@ -107,7 +107,7 @@ export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, hei
         width: Math.max(200, place.clientWidth), height,
         scales: { x: { time: false, ...(logX ? { distr: 3 as const, range: beside } : {}) }, ...(yRange ? { y: { range: yRange } } : levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
         pxAlign: 0,
-        axes: [{ ...axis(xLabel, 34), ...(logX ? { filter: (_: uPlot, splits: number[]) => splits, values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
+        axes: [{ ...axis(xLabel, 34), ...(logX ? { filter: (_: uPlot, splits: number[]) => splits, values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 60), space: height < low ? 18 : 30 }],
         series: [{ label: xLabel }, ...lines.map((line) => ({
           label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined, spanGaps: line.sparse,
           ...(line.dots ? { paths: () => null, points: { show: true, size: 5, fill: line.color } } : { points: { show: false } }),

@@ -5,6 +5,7 @@ import { knowEffects } from "./effect_titles";
 import { failureOf, type Failure } from "./failure";
 import { Outside } from "./outside";
 import { shareOfVariation } from "./units";
+import { pageLanguage, sayIn } from "./words";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, LoopChanges, LoopResult, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
@@ -30,7 +31,7 @@ interface State {
 
 const store = new Outside<State>({ session: null, locked: false, anyUsers: true, effects: [], results: {}, failed: {}, jobs: {}, connected: true });
 const set = (change: Partial<State>) => store.set(change);
-const waiting = new Map<number, (job: Job) => void>();
+const waiting = new Map<number, { kind: string; ended: (job: Job) => void }>();
 
 export const useStore = (): State => store.use();
 
@@ -40,7 +41,7 @@ export async function work(kind: string, more: object = {}, path = "work"): Prom
   const ended = await new Promise<Job>((resolve) => {
     const known = store.now.jobs[job];
     if (known && (known.state === "done" || known.state === "failed")) resolve(known);
-    else waiting.set(job, resolve);
+    else waiting.set(job, { kind, ended: resolve });
   });
   if (ended.state === "failed") throw new ApiError(0, ended.error ?? "", ended.german?.error);
 }
@@ -57,8 +58,11 @@ async function sessionNow(): Promise<Session> {
   return session;
 }
 
+let turn = 0;  // of working everything out: what an earlier one finds counts no more
+
 /** Everything that is not worked out yet for the version in force is. */
 async function workOut(kind: Kind, version: number) {
+  const begun = turn;
   try {
     const known = () => find<{ unit?: string }>("results", { kind, version });
     let result = await known();
@@ -66,12 +70,12 @@ async function workOut(kind: Kind, version: number) {
       await work(kind);
       result = await known();
     }
-    if (!result || store.now.session?.machine?.version !== version) return;
+    if (!result || begun !== turn || store.now.session?.machine?.version !== version) return;
     set({ results: { ...store.now.results, [kind]: withShares(result) } });
     const judged = store.now.session.versions.find((one) => one.current);
     if (kind === "compare" && judged?.rms_holdout === null) set({ session: await sessionNow() });  // which tells the errors of this version
   } catch (caught) {
-    set({ failed: { ...store.now.failed, [kind]: failureOf(caught) } });
+    if (begun === turn) set({ failed: { ...store.now.failed, [kind]: failureOf(caught) } });
   }
 }
 
@@ -79,7 +83,7 @@ async function workOut(kind: Kind, version: number) {
 function hearOfJob(job: Job) {
   set({ jobs: { ...store.now.jobs, [job.job]: job } });
   if (job.state !== "done" && job.state !== "failed") return;
-  waiting.get(job.job)?.(job);
+  waiting.get(job.job)?.ended(job);
   waiting.delete(job.job);
 }
 
@@ -96,12 +100,28 @@ export async function refresh(): Promise<void> {
     ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects, session.measured]) : "";
   if (now === shown) return set({ session });
   shown = now;
+  ++turn;
   set({ session, results: {}, failed: {} });
   if (!session.machine || now === "") return;
   for (const kind of session.machine.valve_alone ? ofAnyLog : kinds) void workOut(kind, session.machine.version);
   const { effects } = await get<{ effects: Effect[] }>("effects");
   knowEffects(effects);
   set({ effects });
+}
+
+/** The stream stands again, of a program that may be another one, which counts its jobs anew. */
+async function comeBack() {
+  shown = "";
+  const left = [...waiting];
+  set({ jobs: {} });
+  await refresh();
+  const { jobs } = store.now.session ?? { jobs: [] };
+  for (const [job, { kind, ended }] of left) {
+    if (!waiting.has(job) || jobs.some((known) => known.job === job && known.kind === kind)) continue;
+    waiting.delete(job);
+    const lost = sayIn(pageLanguage())("lost");
+    ended({ job, kind, state: "failed", error: lost, german: { error: lost } });
+  }
 }
 
 type Hearer = (event: Record<string, unknown>) => void;
@@ -120,8 +140,7 @@ export function start(): void {
     hearOfJob(event as unknown as Job);
   }, (connected) => {
     if (connected && !store.now.connected) {
-      shown = "";
-      void refresh();
+      void comeBack();
       for (const hearer of hearers) hearer({ state: "connected" });
     } else if (connected && waiting.size > 0) {
       void refresh();  // of what ended before the stream stood no event comes

@@ -53,6 +53,30 @@ export async function errorsOfVersions(page) {
   return page.locator(".staircase .error").allInnerTexts();
 }
 
+/** Takes hold of a threshold in a picture of the gate, and drags it up by half of that; with a finger or the mouse. */
+export async function dragThreshold(page, plot, finger = false) {
+  await plot.scrollIntoViewIfNeeded();
+  const box = await plot.locator(".u-over").boundingBox();
+  let line = -1;  // where the pointer says that it can take hold of something
+  for (let y = box.y + box.height - 2; y > box.y && line < 0; y -= 4) {
+    await page.mouse.move(box.x + box.width / 2, y);
+    if (await plot.evaluate((place) => place.style.cursor === "ns-resize")) line = y - 6;
+  }
+  assert.ok(line > 0, "there is a line to drag");
+  const x = box.x + box.width / 2, to = line - box.height / 2;
+  if (finger) {
+    const devTools = await page.context().newCDPSession(page);
+    const touch = (type, y) => devTools.send("Input.dispatchTouchEvent", { type, touchPoints: y === undefined ? [] : [{ x, y }] });
+    await touch("touchStart", line);
+    for (let k = 1; k <= 5; ++k) await touch("touchMove", line + (k / 5) * (to - line));
+    return touch("touchEnd");
+  }
+  await page.mouse.move(x, line);
+  await page.mouse.down();
+  await page.mouse.move(x, to, { steps: 5 });
+  await page.mouse.up();
+}
+
 /** Sheets of paper that the page is printed on. */
 export const pagesOf = async (page) => (await page.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
 

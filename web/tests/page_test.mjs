@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, dragThreshold, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -199,8 +199,8 @@ test("another step, and an effect chosen from further down, are seen from their 
   }
 });
 
-test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {
-  const { page, address } = await visit(t, []);
+for (const finger of [false, true]) test(`a threshold of the gate is dragged with ${finger ? "a finger" : "the mouse"}, and the strokes are counted anew`, async (t) => {
+  const { page, address } = await visit(t, [], finger ? { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true } : {});
   await page.goto(address);
   await drop(page, [join(place.path, "hidden.csv")]);
   await page.waitForSelector(".pin.sure");
@@ -212,17 +212,7 @@ test("a threshold of the gate is dragged, and the strokes are counted anew", asy
   const field = page.getByLabel(`${bound} from`), other = page.getByLabel(`${bound} to`);
   const before = [await field.inputValue(), await other.inputValue()];
   const counted = await page.locator(".log-view [role=status]").innerText();
-  const box = await plot.locator(".u-over").boundingBox();
-  let line = -1;  // where the pointer says that it can take hold of something
-  for (let y = box.y + box.height - 2; y > box.y && line < 0; y -= 4) {
-    await page.mouse.move(box.x + box.width / 2, y);
-    if (await plot.evaluate((place) => place.style.cursor === "ns-resize")) line = y - 6;
-  }
-  assert.ok(line > 0, "there is a line to drag");
-  await page.mouse.move(box.x + box.width / 2, line);
-  await page.mouse.down();
-  await page.mouse.move(box.x + box.width / 2, line - box.height / 2, { steps: 5 });
-  await page.mouse.up();
+  await dragThreshold(page, plot, finger);
   await until(page, `JSON.stringify([${JSON.stringify(`${bound} from`)}, ${JSON.stringify(`${bound} to`)}].map((name) => document.querySelector(\`[aria-label="\${name}"]\`).value)) !== ${JSON.stringify(JSON.stringify(before))}`);
   await until(page, `document.querySelector(".log-view [role=status]").textContent !== ${JSON.stringify(counted)}`);
 });
@@ -247,6 +237,20 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
   await assertAccessible(page, "measured");
   await page.click(".measured button:has-text('Forget')");
   await page.waitForSelector("[data-verdict=ambiguous]");
+});
+
+test("the menu of units closes with every step that one goes to", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  await page.goto(`${address}#step=check`);
+  await page.waitForSelector("[data-verdict]");
+  for (const step of ["compare", "locate", "add", "confirm", "promote", "check"]) {
+    for (const go of [() => page.goto(`${address}#step=${step}`), () => page.click(`.stepper li:nth-child(2) button`)]) {
+      await page.click(".unit-menu summary");
+      await page.waitForSelector(".unit-menu[open] select");
+      await go();
+      await page.waitForSelector(".unit-menu:not([open])");
+    }
+  }
 });
 
 test("units are those that the reader chose, everywhere, and are remembered", async (t) => {

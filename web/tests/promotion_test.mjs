@@ -105,3 +105,26 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   const { audit } = await (await page.request.get(`${address}api/v1/audit`)).json();
   assert.ok(audit.some((entry) => entry.what === "promote" && entry.user === "admin" && entry.outcome === ""));
 });
+
+test("a sweep of the valve is asked for on the page, and what the controller answers stands there", async (t) => {
+  run(["users", "--db", "sweep.db", "add", "operate", "--role", "operate"], place.path, `${password}\n`);
+  const served = await serve(["live.toml", "--db", "sweep.db"], place.path);
+  const { page, address } = await visitServed(served, t);
+  await untilWatched(address, (machine) => machine.strokes >= 3);
+  await page.goto(`${address}#view=valve`);
+  await page.waitForSelector(".valve");
+  assert.equal(await page.locator("button[name=sweep]").count(), 0, "nobody asks who is not logged in");
+  await page.goto(`${address}#view=login`);
+  await page.fill(".login input[name=name]", "operate");
+  await page.fill(".login input[name=password]", password);
+  await page.click(".login button.primary");
+  await page.waitForSelector(".account");
+  page.on("dialog", (dialog) => void dialog.accept());  // the valve moves: one is asked whether one is sure
+  await page.goto(`${address}#view=valve`);
+  await page.click("button[name=sweep]:not([disabled])");
+  await page.waitForSelector(".valve tbody tr");
+  assert.match(await page.locator(".valve tbody tr").first().innerText(), /refused\s+the controller refused: the machine is working|measured/);
+  assert.match(await page.locator("[data-told]").innerText(), /cushion_1/);
+  const rows = JSON.parse(run(["status", "--db", "sweep.db", "--valve-checks", "--json", "-"], place.path));
+  assert.match(JSON.stringify(rows), /refused|measured/, "the command line sees it");
+});

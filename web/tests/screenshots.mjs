@@ -7,6 +7,7 @@ import { fileURLToPath } from "node:url";
 import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
 import { patience } from "./browser_fixture.mjs";
 import { browser, folder, open, run, serve } from "./program.mjs";
+import { makeSpindle } from "./spindle.mjs";
 
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
@@ -23,11 +24,12 @@ run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], pla
 run(["simulate", "valve", "--out", "new.csv"], place.path);
 run(["simulate", "valve", "--out", "worn.csv", "--f0", "120", "--damping", "0.9", "--seed", "2"], place.path);
 
+makeSpindle(place.path);
 makeHistory(place.path);
 addValveChecks(place.path);
 makeBeginning(place.path);
 
-const wide = { width: 1500, height: 1000 }, phone = { width: 390, height: 844 };
+const wide = { viewport: { width: 1500, height: 1000 } }, phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 const chromium = await browser();
 
 /** The views of a database. */
@@ -87,18 +89,45 @@ async function takeService(page, shoot, name) {
   await served.stop();
 }
 
+/** The page of a machine of one's own: without a log, with what is wrong while it is written, and whole. */
+async function takeOwn(page, shoot) {
+  const own = await open([], place.path);
+  await page.goto(`${own.address}#page=own`);
+  await page.waitForSelector(".own-machine .balance");
+  await shoot(page, "own-start");
+  await page.setInputFiles("input[type=file]", join(place.path, "spindel.csv"));
+  await page.waitForSelector(".own-machine .pin");
+  const [force, pressure, way] = await page.locator(".columns .role button").allInnerTexts();
+  await page.fill("input[name=balance-output]", force);
+  await page.fill("input[name=balance-expression-0]", `${pressure} + ${way}`);
+  await page.waitForSelector(".balance pre.problem");
+  await page.waitForSelector(".log-view .plot canvas");
+  await shoot(page, "own-wrong");
+  await page.fill("input[name=balance-expression-0]", pressure);
+  await page.click(".effects > button");
+  await page.fill("input[name=effect-id-0]", "reibung");
+  await page.fill("input[name=effect-expression-0]", `sign(ddt(${way}))`);
+  await page.uncheck(".effects input[type=checkbox]");
+  await page.waitForSelector(".effects .law .plot canvas");
+  await page.waitForSelector("p.verdict.good");
+  await shoot(page, "own");
+  await own.stop();
+}
+
 /** The same states in each look. */
-async function take(name, viewport, colorScheme, locale) {
+async function take(name, device, colorScheme, locale) {
   const shoot = async (page, state) => {
     await page.waitForTimeout(250);
     await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: true });
   };
-  const context = await chromium.newContext({ viewport, colorScheme, locale });
+  const context = await chromium.newContext({ ...device, colorScheme, locale });
   const page = await context.newPage();
   page.setDefaultTimeout(patience);
   if (only !== "service") await takeWatching(page, shoot);
   await takeService(page, shoot, name);
   if (only === "watch" || only === "service") return context.close();
+
+  await takeOwn(page, shoot);
 
   const first = await open([], place.path);
   await page.goto(first.address);
@@ -210,10 +239,6 @@ async function take(name, viewport, colorScheme, locale) {
   await shoot(page, "mapping-pump");
   await page.locator(".sizes").first().scrollIntoViewIfNeeded();
   await shoot(page, "mapping-sizes");
-  await page.selectOption("select[name=kind]", "expressions");
-  await page.waitForSelector(".balance");
-  await page.locator(".balance").scrollIntoViewIfNeeded();
-  await shoot(page, "mapping-balance");
   await alone.stop();
   await context.close();
 }

@@ -3,7 +3,7 @@
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { endBrowser, startBrowser, visitIn } from "./browser_fixture.mjs";
-import { folder, run } from "./program.mjs";
+import { folder, open, run } from "./program.mjs";
 
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
 const place = folder();
@@ -39,4 +39,18 @@ test("work that ended before its events are heard is seen", async (t) => {
   });
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas", { timeout: 60_000 });
+});
+
+test("a program that begins anew at the same port works everything out anew, and the page shows it", async (t) => {
+  const words = ["leak.csv", "--machine", machine];
+  const { page, address, served } = await visitIn(place.path, t, words);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector("[data-verdict]");
+  await served.stop();
+  await page.waitForSelector(".lost");
+  const again = await open([...words, "--port", new URL(address).port], place.path);
+  t.after(() => again.stop());
+  await page.waitForSelector(".lost", { state: "detached" });
+  await page.waitForSelector(".scrubber");
+  await page.waitForSelector("[data-verdict]");
 });

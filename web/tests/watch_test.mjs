@@ -242,6 +242,48 @@ test("the head stands in one line on a laptop in German, and alarms and tags are
   }
 });
 
+test("an alarm arrives while the page is open, is acknowledged there, and survives a restart", async (t) => {
+  const own = ["--db", "arrives.db", "--machine", "press.toml"], replay = (log) => run(["replay", log, "--machine", "press.toml", "--db", "arrives.db"], place.path);
+  replay("early.csv");
+  const { page, address, served } = await visit(t, own);
+  await page.goto(`${address}#view=alarms`);
+  await page.waitForSelector("text=No alarm stands that fits.");
+  replay("late.csv");
+  await page.waitForSelector(".views button:has-text('Alarms'):has-text('1')");
+  await page.click("[data-alarm='die_cushion/internal_leakage']");
+  await page.click(".detail button:has-text('Acknowledge')");
+  await page.waitForSelector(".detail[data-state=ACKED]");
+  await served.stop();
+  const again = await visit(t, own);
+  await again.page.goto(`${again.address}#view=alarms&alarm=die_cushion/internal_leakage`);
+  await again.page.waitForSelector(".detail[data-state=ACKED]");
+});
+
+test("what happened is called as its alarm, in both languages, also where a rule raised it", async (t) => {
+  const own = copyOfHistory("pilot");
+  run(["replay", "late.csv", "--machine", "press.toml", "--db", "pilot.db"], place.path);  // judges the valve checks
+  for (const [locale, said] of [["en-US", "Valve slower: lower natural frequency"], ["de-DE", "Ventil langsamer: kleinere Eigenfrequenz"]]) {
+    const { page, address } = await visit(t, own, { locale });
+    await page.goto(`${address}#view=trends&p=K&x=stroke`);
+    await page.waitForSelector(`.marks button:has-text("${said}")`);
+    assert.doesNotMatch(await page.locator(".marks").innerText(), /slow_pilot_stage/);
+  }
+});
+
+test("fingers are told what fingers can do", async (t) => {
+  for (const [options, trends, learn] of [
+    [{ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, /Tap to read values; the buttons/, /Tap to read values; which strokes/],
+    [{}, /Drag to zoom, Ctrl and wheel/, /Drag to zoom, Ctrl and wheel/],
+  ]) {
+    const { page, address } = await visit(t, words, options);
+    for (const [view, said] of [["trends&p=K", trends], ["learn", learn]]) {
+      await page.goto(`${address}#view=${view}`);
+      await page.waitForSelector(".trend-plot canvas");
+      assert.match(await page.locator("main").innerText(), said);
+    }
+  }
+});
+
 test("an alarm that another program changes shows without loading anew", async (t) => {
   const own = copyOfHistory("elsewhere");
   const { page, address } = await visit(t, own);

@@ -33,12 +33,12 @@ namespace {
 constexpr double kDrowns = 1.02;      // error over noise floor, below which single equations do not show it
 constexpr double kMovedShown = 0.01;  // of a parameter: less than the per cent that is printed
 
-/// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for.
+/// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for, where that is told.
 std::string Described(const ExplainResult& result, const std::string& id) {
   const Effect* effect = result.FindEffect(id);
   if (effect == nullptr) return "  " + id + "\n";
   const std::string name = effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
-  return fmt::format("  {}\n    {}\n", name, effect->plain);
+  return fmt::format("  {}\n", name) + (effect->plain.empty() ? "" : "    " + effect->plain + "\n");
 }
 
 std::string ErrorSentence(const ExplainResult& result) {

@@ -81,7 +81,8 @@ std::string ChangedEffectsText(const ChangeResult& result) {
   std::string text;
   for (const std::string& id : result.after.explanation.set)
     if (const Effect* effect = result.after.FindEffect(id))
-      text += fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
+      text += fmt::format("  {} ({})\n", effect->title, id) +
+              (effect->plain.empty() ? "" : "    " + effect->plain + "\n");
   return text;
 }
 

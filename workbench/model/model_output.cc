@@ -67,8 +67,8 @@ std::string ParametersText(const Effect& e) {
 std::string EffectText(const MachineKind& kind, const Effect& e) {
   const EffectUnit unit = EffectUnitFor(e.unit);
   std::string text = fmt::format(
-      "{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}\n", e.id, e.title, e.plain, e.law,
-      e.source,
+      "{}: {}\n{}  law            {}   ({})\n  parameter      {}\n", e.id, e.title,
+      e.plain.empty() ? "" : "  " + e.plain + "\n", e.law, e.source,
       std::isfinite(e.typical)
           ? fmt::format("{}, typically {} {}", e.parameter, ShortNumber(e.typical * unit.factor), unit.name)
           : ParametersText(e));

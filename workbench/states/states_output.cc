@@ -189,8 +189,7 @@ std::string VerdictText(const StatesExplained& e) {
     case Verdict::kNamed:
       for (const std::string& id : x.set) {
         text += "  " + NamedEffect(effects, id) + "\n";
-        if (const std::string plain = PlainWords(e.log.machine, effects, id); !plain.empty())
-          text += "    " + plain + "\n";
+        if (const std::string plain = PlainWords(effects, id); !plain.empty()) text += "    " + plain + "\n";
       }
       return text;
     case Verdict::kAmbiguous:

@@ -36,9 +36,7 @@ std::string NamedEffect(const std::vector<Effect>& effects, const std::string& i
   return effect == nullptr || effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
 }
 
-std::string PlainWords(const Machine& machine, const std::vector<Effect>& effects, const std::string& id) {
-  for (const UserEffectSpec& own : machine.user_effects)
-    if (own.id == id) return "";
+std::string PlainWords(const std::vector<Effect>& effects, const std::string& id) {
   const Effect* effect = FindStateEffect(effects, id);
   return effect == nullptr ? "" : effect->plain;
 }

@@ -33,6 +33,6 @@ double ShownLeftOut(const StatesExplained& e, const StateCandidate& candidate);
 Told WhyNotSeen(const StatesExplanation& x, const std::string& id);
 
 /// What an effect of a built-in machine means for the plant; "" of those of the machine file.
-std::string PlainWords(const Machine& machine, const std::vector<Effect>& effects, const std::string& id);
+std::string PlainWords(const std::vector<Effect>& effects, const std::string& id);
 
 }  // namespace hydroscope

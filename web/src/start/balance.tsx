@@ -5,6 +5,7 @@ import { Told } from "../told";
 import { useTyped } from "../typed";
 import type { Balance, LogPicture, Proposal, WrittenEffect } from "../types";
 import { useWords } from "../words";
+import { saidUnits } from "./gate_thresholds";
 import { ownTyped } from "./proposal";
 
 const pause = 300;  // ms without a key after which what was written is looked at
@@ -19,11 +20,11 @@ export function BalanceFormula({ balance }: { balance: Balance }) {
 
 const free = (known: string[], name: string) => { for (let n = 1; ; ++n) if (!known.includes(`${name}_${n}`)) return `${name}_${n}`; };
 
-interface FieldProps { name: string; label: string; expression: string; write: (text: string) => void; checked: boolean; over: unknown; plotted: string }
+interface FieldProps { name: string; label: string; expression: string; write: (text: string) => void; checked: boolean; over: unknown; plotted: string; output?: string }
 
 /** An expression with what is wrong with it, and its course over a stroke. */
-function ExpressionField({ name, label, expression, write, checked, over, plotted }: FieldProps) {
-  const { problem, course } = useLaw({ id: "term", expression: checked ? expression : "", not_negative: false }, over);
+function ExpressionField({ name, label, expression, write, checked, over, plotted, output }: FieldProps) {
+  const { problem, course } = useLaw({ id: "term", expression: checked ? expression : "", not_negative: false, output }, over);
   const wrong = problem === "none" ? null : problem;
   return (
     <>
@@ -31,7 +32,7 @@ function ExpressionField({ name, label, expression, write, checked, over, plotte
         onInput={(e) => write(e.currentTarget.value)} />
       {(wrong || course) && <div class="law">
         {wrong && <pre class="problem" role="status"><Told of={wrong} what="error" /></pre>}
-        {course && <TermPlot course={course} expression={expression} units={{}} title={plotted} height={110} />}
+        {course && <TermPlot course={course} expression={expression} units={saidUnits} title={plotted} height={120} />}
       </div>}
     </>
   );
@@ -58,6 +59,7 @@ export function BalanceEditor({ proposal, picture, set }: Props) {
     change({ balance: { output, terms: terms.map((term, k) => (k === index ? { ...term, ...part } : term)) } });
   const changeEffect = (index: number, part: Partial<WrittenEffect>) => change({ effects: effects.map((effect, k) => (k === index ? { ...effect, ...part } : effect)) });
   const shared = { checked: proposal !== null, over: picture };
+  const ofTerm = { ...shared, output: output.trim() };
   const stroke = say("ownOverStroke");
   return (
     <>
@@ -73,7 +75,7 @@ export function BalanceEditor({ proposal, picture, set }: Props) {
               <input name={`balance-name-${k}`} class="code" aria-label={`${say("parameter")} ${k + 1}`} value={term.name} spellcheck={false} autocomplete="off"
                 onInput={(e) => changeTerm(k, { name: e.currentTarget.value.trim() })} />
               <span>×</span>
-              <ExpressionField name={`balance-expression-${k}`} label={`${say("ownExpression")} ${k + 1}`} expression={term.expression} plotted={`${term.expression}, ${stroke}`} {...shared}
+              <ExpressionField name={`balance-expression-${k}`} label={`${say("ownExpression")} ${k + 1}`} expression={term.expression} plotted={`${term.expression}, ${stroke}`} {...ofTerm}
                 write={(expression) => changeTerm(k, { expression })} />
               <button class="small" aria-label={`${say("balanceDrop")}: ${term.name}`} disabled={terms.length < 2}
                 onClick={() => change({ balance: { output, terms: terms.filter((_, other) => other !== k) } })}>×</button>
@@ -92,7 +94,7 @@ export function BalanceEditor({ proposal, picture, set }: Props) {
               <input name={`effect-id-${k}`} class="code" aria-label={`${say("ownName")} ${k + 1}`} value={effect.id} spellcheck={false} autocomplete="off"
                 onInput={(e) => changeEffect(k, { id: e.currentTarget.value.trim() })} />
               <span>×</span>
-              <ExpressionField name={`effect-expression-${k}`} label={`${say("rankingEffect")} ${k + 1}`} expression={effect.expression} plotted={`${effect.expression}, ${stroke}`} {...shared}
+              <ExpressionField name={`effect-expression-${k}`} label={`${say("rankingEffect")} ${k + 1}`} expression={effect.expression} plotted={`${effect.expression}, ${stroke}`} {...ofTerm}
                 write={(expression) => changeEffect(k, { expression })} />
               <button class="small" aria-label={`${say("balanceDrop")}: ${effect.id}`} onClick={() => change({ effects: effects.filter((_, other) => other !== k) })}>×</button>
               <label class="tick-box"><input type="checkbox" checked={effect.not_negative} onChange={(e) => changeEffect(k, { not_negative: e.currentTarget.checked })} /> {say("ownNotNegative")}</label>

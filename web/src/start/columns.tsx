@@ -5,6 +5,9 @@ import { Thumbnail } from "./thumbnail";
 
 const longest = 1e4;  // that is read without marks between its thousands
 
+/** "force [kN]": the unit stands in the name already. */
+const holdsUnit = (name: string, unit: string) => [`[${unit}]`, `(${unit})`].some((written) => name.endsWith(written));
+
 const plain = (value: number | null) => (value !== null && Math.abs(value) >= longest ? grouped(Math.round(value)) : short(value));
 
 /** The columns of a log, to be dragged onto a sensor; with `insert` the name of its signal can be put where one writes. */
@@ -18,7 +21,7 @@ export function Columns({ proposal, awaited = false, insert }: { proposal: Propo
         return (
           <li key={column.column} draggable={column.numeric} class={column.signal ? "used" : "free"}
             onDragStart={(e) => e.dataTransfer?.setData("text/plain", column.column)}>
-            <span class="name">{column.name}{column.unit && <small> {printedUnit(column.unit)}</small>}</span>
+            <span class="name">{column.name}{column.unit && !holdsUnit(column.name, column.unit) && <small> {printedUnit(column.unit)}</small>}</span>
             <Thumbnail thumbnail={column.thumbnail} />
             <span class="range">{column.numeric ? range : "–"}</span>
             <span class="role">{awaited ? "" : !column.signal ? say("mapUnused") : insert && column.signal !== "time"

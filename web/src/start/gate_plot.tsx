@@ -16,7 +16,7 @@ export function GatePlots({ picture, bounds, set }: Props) {
   if (picture.gate.length !== bounds.length) return null;  // of the gate before
   return <>{picture.gate.map((course, index) => {
     const move = (side: "min" | "max", value: number) =>
-      set(bounds.map(({ si: _, ...bound }, k) => (k === index ? { ...bound, [side]: value } : bound)));
+      set(bounds.map((bound, k) => (k === index ? { ...bound, [side]: value } : bound)));
     return <GatePlot key={index} picture={picture} course={course} bound={bounds[index]} move={move} />;
   })}</>;
 }
@@ -36,7 +36,7 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
     values: [course.low, course.high].map((list) => list.map((v) => (v === null ? null : v * unit.factor))),
     shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })),
   }), [picture, course, unit.name]);
-  const taken = (event: PointerEvent) => {
+  const taken = (event: { clientY: number }) => {
     const at = view.current?.yPixel;
     return at && lines.map((line) => ({ ...line, away: Math.abs(at(line.value) - event.clientY) })).sort((a, b) => a.away - b.away).find((line) => line.away <= near);
   };
@@ -52,7 +52,8 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
         e.currentTarget.setPointerCapture(e.pointerId);
         setHeld({ side: line.side, value: line.value / unit.factor });
       }}
-      onMouseDownCapture={(e) => { if (held || taken(e as unknown as PointerEvent)) e.stopPropagation(); }}
+      onTouchStart={(e) => { if (taken(e.touches[0])) e.preventDefault(); }}  // a finger drags the line, and not the page
+      onMouseDownCapture={(e) => { if (held || taken(e)) e.stopPropagation(); }}
       onPointerMove={(e) => {
         if (held && view.current) setHeld({ ...held, value: view.current.yValue(e.clientY) / unit.factor });
         else e.currentTarget.style.cursor = taken(e) ? "ns-resize" : "";
@@ -73,7 +74,7 @@ export function GateOfLog({ first: { picture, proposal, setGate } }: { first: Pr
   return (
     <>
       <LogView picture={picture} />
-      <p class="quiet">{say("gateDrag")}</p>
+      {proposal.gate.length > 0 && <p class="quiet">{say("gateDrag")}</p>}
       <GatePlots picture={picture} bounds={proposal.gate} set={setGate} />
       <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={setGate} />
     </>

@@ -1,13 +1,15 @@
 import { useState } from "preact/hooks";
 import type { GateBound, Pin } from "../types";
-import { inChosen, short, unitName } from "../units";
+import { inChosen, short, unitName, type Units } from "../units";
 import { useWords, type Say } from "../words";
+
+/** SI units as people say them, before there is a machine file. */
+export const saidUnits: Units = { m: { factor: 1000, offset: 0, name: "mm" }, Pa: { factor: 1e-5, offset: 0, name: "bar" } };
 
 /** In which unit a threshold is written: as people say it. */
 export function boundUnit(bound: GateBound): { factor: number; name: string } {
-  const rate = bound.rate ? "/s" : "";
-  if (bound.si === "m") return inChosen({ factor: 1000, offset: 0, name: `mm${rate}` });
-  if (bound.si === "Pa") return inChosen({ factor: 1e-5, offset: 0, name: `bar${rate}` });
+  const rate = bound.rate ? "/s" : "", said = saidUnits[bound.si ?? ""];
+  if (said) return inChosen({ ...said, name: said.name + rate });
   return { factor: 1, name: bound.si === "1" || !bound.si ? (rate ? "1/s" : "") : `${bound.si}${rate}` };
 }
 
@@ -41,10 +43,9 @@ interface Props { bounds: GateBound[]; pins: Pin[]; set: (bounds: GateBound[]) =
 /** The conditions of the gate with their thresholds as numbers; strokes are counted anew at every change. */
 export function GateThresholds({ bounds, pins, set }: Props) {
   const say = useWords();
-  const plain = bounds.map(({ si: _, ...bound }) => bound);
   const take = (index: number, side: Side, value: number | null) => {
-    const changed = { ...plain[index], [side]: value };
-    set(changed.min === null && changed.max === null ? plain.filter((_, k) => k !== index) : plain.map((bound, k) => (k === index ? changed : bound)));
+    const changed = { ...bounds[index], [side]: value };
+    set(changed.min === null && changed.max === null ? bounds.filter((_, k) => k !== index) : bounds.map((bound, k) => (k === index ? changed : bound)));
   };
   return (
     <fieldset class="gate">
@@ -56,11 +57,11 @@ export function GateThresholds({ bounds, pins, set }: Props) {
             <span>{name}</span>
             {sides.map((side) => <Limit key={side} bound={bound} side={side} name={name} take={(value) => take(index, side, value)} />)}
             <span>{unitName(boundUnit(bound))}</span>
-            <button class="small" aria-label={`${say("balanceDrop")}: ${name}`} onClick={() => set(plain.filter((_, k) => k !== index))}>×</button>
+            <button class="small" aria-label={`${say("balanceDrop")}: ${name}`} onClick={() => set(bounds.filter((_, k) => k !== index))}>×</button>
           </div>
         );
       })}
-      <NewCondition pins={pins} add={(bound) => set([...plain, bound])} />
+      <NewCondition pins={pins} add={(bound) => set([...bounds, bound])} />
     </fieldset>
   );
 }
@@ -78,8 +79,7 @@ function NewCondition({ pins, add }: { pins: Pin[]; add: (bound: GateBound) => v
   const bound: GateBound = { signal, rate, magnitude, si: pin?.si, min: null, max: null };
   const take = (side: Side, value: number | null) => {
     if (value === null) return;
-    const { si: _, ...plain } = bound;
-    add({ ...plain, [side]: value });
+    add({ ...bound, [side]: value });
     setSignal("");
   };
   return (

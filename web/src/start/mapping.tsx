@@ -92,7 +92,7 @@ function Mapping({ first }: { first: ProposalWork }) {
 const unitsByName = (units: string[]) => new Map(units.map((unit) => [printedUnit(unit), unit]));
 
 export function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const [over, setOver] = useState(false);
   const state = stateOf(pin);
   const id = `pin-${pin.signal}`;
@@ -101,7 +101,7 @@ export function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; p
       onDragOver={(e) => { e.preventDefault(); setOver(true); }}
       onDragLeave={() => setOver(false)}
       onDrop={(e) => { e.preventDefault(); setOver(false); put(pin.signal, e.dataTransfer?.getData("text/plain") ?? ""); }}>
-      <label for={id}><strong>{pin.signal}</strong> <Told of={pin} what="meaning" /></label>
+      <label for={id}><strong>{pin.signal}</strong> {tell(pin, "meaning").text !== pin.signal && <Told of={pin} what="meaning" />}</label>
       <select id={id} value={pin.column ?? ""} onChange={(e) => put(pin.signal, e.currentTarget.value)}>
         <option value="">{say("mapNone")}</option>
         {proposal.columns.filter((column) => column.numeric).map((column) => <option key={column.column} value={column.column}>{column.name}</option>)}

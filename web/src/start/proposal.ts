@@ -71,7 +71,7 @@ export function useProposal() {
     if (unit) chosenUnits.current[placeOf(signal, column)] = unit;
     void propose({ model: proposal!.model, columns: columnsOf(pins, chosenUnits.current) }, { pins });
   };
-  const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
+  const setGate = (gate: GateBound[]) => void propose({ gate: gate.map(({ si: _, ...said }) => said) }, { gate });
   const takeKind = async (model: string) => {
     const before = [asked.current, chosenUnits.current] as const;
     asked.current = {};  // what was said of another machine

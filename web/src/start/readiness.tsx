@@ -5,6 +5,9 @@ import { isOdd, sizeText } from "./sizes";
 
 const fewMissing = 4;  // that are named; of more their number is told
 
+/** What is wrong, without its place in the file and the mark under it, which stand where one writes. */
+const inShort = (text: string) => text.split("\n")[0].replace(/^\[[\w.]+\] /, "");
+
 /** Whether the machine file can be used, what is missing until then, and the way on. */
 export function Readiness({ first }: { first: ProposalWork }) {
   const say = useWords(), tell = useTold();
@@ -19,7 +22,7 @@ export function Readiness({ first }: { first: ProposalWork }) {
           : !proposal.problem ? say("mapReady")
           : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
           : proposal.balance?.output === "" ? say("balanceNeeded")
-          : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
+          : <>{say("mapNotReady")}<Told of={{ error: inShort(proposal.problem.error), german: proposal.problem.german && { error: inShort(proposal.problem.german.error ?? "") } }} what="error" /></>}
       </p>
       <button class="primary" disabled={proposal.problem !== null || odd !== undefined || !first.settled} onClick={() => void first.accept()}>{say("mapGo")}</button>
     </>

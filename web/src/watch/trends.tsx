@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get } from "../api";
+import { isEffect } from "../effect_titles";
 import { failureOf, Problem, type Failure } from "../failure";
 import { pageColor } from "../plot";
 import { grouped } from "../units";
@@ -82,7 +83,7 @@ function savePng(box: HTMLElement, title: string, name: string) {
 export function Trends({ overview }: { overview: Overview }) {
   const say = useWords();
   const [query, setUrl] = useUrl();
-  const { tick } = useWatch();
+  const { tick, alarms } = useWatch();
   const plots = useRef<HTMLDivElement>(null);
   const machine = overview.machines.find((m) => m.machine === query.machine) ?? overview.machines[0];
   const known = useMemo(() => (machine?.parameters ?? []).filter((p) => p.trend), [machine]);
@@ -105,6 +106,11 @@ export function Trends({ overview }: { overview: Overview }) {
     setUrl({ p: known.map((k) => k.parameter).filter((p) => (p === parameter ? on : parameters.includes(p))).join(",") });
   const unitOf = (parameter: string) => known.find((k) => k.parameter === parameter)!.unit;
   const name = `${machine.machine.replace(/[^\w-]+/g, "_")}_${parameters.join("_").replace(/[^\w-]+/g, "_")}`;
+  /** An alarm of an effect by that, one of a rule by what was found. */
+  const called = (mark: Trend["marks"][number]) => {
+    const found = isEffect(mark.name) ? undefined : alarms.find((alarm) => alarm.machine === machine.machine && alarm.alarm === mark.name);
+    return found ? <Told of={found} what="finding" /> : <Told of={mark} what="name" />;
+  };
   const marks = trends[0]?.marks.filter((m) => m.stroke >= from && m.stroke < to) ?? [];
   return (
     <section class="trends">
@@ -155,7 +161,7 @@ export function Trends({ overview }: { overview: Overview }) {
       {marks.length > 0 && <section class="marks"><h2>{say("marks")}</h2><ul>
         {marks.slice(0, 30).map((mark) => (
           <li key={`${mark.kind}${mark.stroke}${mark.name}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}
-            {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}><Told of={mark} what="name" /></button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
+            {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}>{called(mark)}</button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
             {" · "}{say("strokeNumber", { stroke: mark.stroke })}{mark.kind !== "alarm" && mark.text && <small> · <Told of={mark} what="text" /></small>}</li>
         ))}
       </ul></section>}

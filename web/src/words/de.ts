@@ -350,6 +350,7 @@ export const de: Words = {
   onlyThere: "Nur wo {where}.",
   errorThere: "Dort weicht das Modell um {error} ab, Sensorrauschen allein {noise}; {windows} Fenster von {strokes} <Hub/Hüben|Episode/Episoden>.",
   elsewhere: "gemessen, sonst",
+  locateTap: "Eine Zelle antippen, um nur diese zu sehen.",
   locateBrush: "Eine Zelle anklicken oder über mehrere ziehen, um nur diese zu sehen (Tasten: Enter, dann Umschalt und Enter).",
   rankingThere: "Geordnet nach der Abweichung, die jeder im gewählten Teil ließe; alle sind an alle <Hübe|Episoden> angepasst.",
   rankingErrorThere: "Abweichung dort",

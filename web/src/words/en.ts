@@ -349,6 +349,7 @@ export const en = {
   onlyThere: "Only where {where}.",
   errorThere: "There the model errs by {error}, sensor noise alone {noise}; {windows} <window/windows> of {strokes} <stroke/strokes|episode/episodes>.",
   elsewhere: "measured elsewhere",
+  locateTap: "Tap a cell to look at it alone.",
   locateBrush: "Click a cell, or draw over several, to look at these alone (with keys: Enter, then Shift and Enter).",
   rankingThere: "Ranked by the error that each would leave in the part chosen; all are fitted to all <strokes|episodes>.",
   rankingErrorThere: "Error there",

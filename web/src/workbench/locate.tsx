@@ -1,5 +1,6 @@
 import type { CompareResult, ErrorMap, RegionErrors } from "../types";
 import { amount, withUnit } from "../units";
+import { byFinger } from "../watch/shown";
 import { useWords } from "../words";
 import { HeatMap } from "./heat_map";
 import { regionOf, regionText, useRangeWords, useRegionWords, useSignalName } from "./region";
@@ -20,7 +21,7 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
   return (
     <>
       <h1>{say("locateTitle")}</h1>
-      <p>{flat ? say("locateNothing") : say("locateText")} {say("locateBrush")}</p>
+      <p>{flat ? say("locateNothing") : say("locateText")} {say(byFinger() ? "locateTap" : "locateBrush")}</p>
       <label>{say("locateOver")} <select value={nameOfMap(map)} onChange={(e) => setUrl({ map: e.currentTarget.value, region: "" })}>
         {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{m.signals.map(signalName).join(" × ")} ({withUnit(String(Math.max(0, Math.round(100 * m.explained))), "%")})</option>)}
       </select></label>
