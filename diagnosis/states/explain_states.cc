@@ -9,6 +9,7 @@
 #include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/state_limit.h"
+#include "diagnosis/states/search_conclusion.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
 #include "estimation/states/one_step.h"
@@ -128,6 +129,12 @@ StatesExplanation UnlessRefuted(StatesExplanation named, const StateFit& whole,
   return named;
 }
 
+/// Where short runs leave it unknown, the user is told as well what whole episodes said.
+StatesExplanation WithReasonsOf(const StatesExplanation& whole, StatesExplanation runs) {
+  if (runs.verdict == Verdict::kUnknown) AddOverWhole(whole.warnings, runs.warnings);
+  return runs;
+}
+
 constexpr Wording kCoveredText = {
     "noise acts on the process itself, a disturbance is not measured, a sensor lags, or a slow law is missing, which adds up "
     "over an episode",
@@ -199,10 +206,10 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
       StatesExplanation short_runs = runs.Explain(kAstrayText);
       if (short_runs.base.fit.solved() && !short_runs.astray &&
           (short_runs.final.fit.noise.array() < options.covered_error * out.final.fit.noise.array()).any())
-        return short_runs;
+        return WithReasonsOf(out, std::move(short_runs));
     } else if (runs.Covered(out.base.fit, out.base_left) ||
                (!out.final.added.empty() && runs.Covered(out.final.fit, out.final_left))) {
-      return UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options);
+      return WithReasonsOf(out, UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options));
     }
   }
   if (pieces.empty()) return out;

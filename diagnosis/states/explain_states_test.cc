@@ -8,6 +8,7 @@
 #include <random>
 
 #include "diagnosis/states/missing_law.h"
+#include "diagnosis/states/search_conclusion.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -237,6 +238,15 @@ TEST(ExplainStates, WhatIsLeftThatLastsIsHeldAgainstWhatIsExplained) {
   EXPECT_LT(Leaving(0.98, 9000, 3000).SlowShare(), 1);
   x.final_left.structured = true;
   EXPECT_EQ(x.SlowShare(), 0);
+}
+
+TEST(ShortRuns, TellWhatWholeEpisodesSaidUnlessTheySayItToo) {
+  const std::vector<Told> of_whole = {{"a law is missing", "ein Gesetz fehlt"},
+                                      {"the sensor ends", "der Sensor endet"}};
+  std::vector<Told> told = {{"the sensor ends", "der Sensor endet"}};
+  AddOverWhole(of_whole, told);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[1], Told("over whole episodes: a law is missing", "über ganze Episoden: ein Gesetz fehlt"));
 }
 
 }  // namespace

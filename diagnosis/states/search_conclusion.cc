@@ -250,4 +250,10 @@ class SearchConclusion {
 
 void ConcludeSearch(FoundSets& found) { SearchConclusion(found).Conclude(); }
 
+void AddOverWhole(std::span<const Told> of_whole, std::vector<Told>& told) {
+  for (const Told& sentence : of_whole)
+    if (std::ranges::find(told, sentence) == told.end())
+      told.push_back(Tell("over whole episodes: {}", "über ganze Episoden: {}", sentence));
+}
+
 }  // namespace hydroscope

@@ -8,4 +8,7 @@ namespace hydroscope {
 /// missing, which sets do as well. Writes into `found.out`.
 void ConcludeSearch(FoundSets& found);
 
+/// Adds what was said of whole episodes to what short runs tell, unless these say it too.
+void AddOverWhole(std::span<const Told> of_whole, std::vector<Told>& told);
+
 }  // namespace hydroscope

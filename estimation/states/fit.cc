@@ -179,6 +179,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   for (const Episode& e : task.episodes)
     readings += static_cast<double>(e.rows() / e.mean_rows * task.model->output.rows);
   std::vector<StateMinimum> minima;
+  std::vector<Eigen::VectorXd> begun;  // where the first start of each minimum began
   shooting::Point best;
   int tried = 0, diverged = 0;
   for (const Eigen::VectorXd& start : starts) {
@@ -191,14 +192,17 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
     const auto same = std::ranges::find_if(minima, [&](const StateMinimum& m) {
       return std::abs(m.cost - point.cost) <= options.same_minimum * std::min(m.cost, point.cost);
     });
-    const bool again = same != minima.end();
-    if (again)
+    bool again = false;
+    if (same != minima.end()) {
       ++same->starts;
-    else
+      again = shooting::FarApart(task, begun[static_cast<std::size_t>(same - minima.begin())], start);
+    } else {
       minima.push_back({shooting::Unscaled(task, point.q), point.cost, 1});
+      begun.push_back(start);
+    }
     const double least = best.valid ? best.cost : std::numeric_limits<double>::infinity();
     if (point.cost < least) best = std::move(point);
-    // The best minimum again: there is hardly a better one.
+    // The best minimum again, from elsewhere: there is hardly a better one.
     if (again && same->cost <= (1 + options.same_minimum) * best.cost) break;
     if (2 * best.cost <= options.at_noise * readings) break;
   }

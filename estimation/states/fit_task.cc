@@ -107,6 +107,19 @@ std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& o
   return starts;
 }
 
+bool FarApart(const Task& task, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  constexpr double kFar = 0.25;
+  bool ranged = false;
+  for (std::size_t p = 0; p < task.scale.size(); ++p) {
+    if (!task.scale.ranged(p)) continue;
+    ranged = true;
+    const auto at = static_cast<Eigen::Index>(p);
+    const double apart = std::abs(task.scale.ToScaled(p, a[at]) - task.scale.ToScaled(p, b[at]));
+    if (apart >= kFar * (task.scale.high(p) - task.scale.low(p))) return true;
+  }
+  return !ranged;
+}
+
 Told DivergedText(const Task& task, const Eigen::VectorXd& theta) {
   for (const Episode& episode : task.episodes) {
     StateRun run;

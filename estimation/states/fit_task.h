@@ -25,6 +25,10 @@ std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows);
 /// Starts: that of the machine file, then draws from the ranges; `near`: the first of them close to it, each further away.
 std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& options, bool near = false);
 
+/// Whether two starts differ by a quarter of a parameter's range: from close by the same minimum says nothing of others. True where
+/// no parameter has a range, for then there is no other start.
+bool FarApart(const Task& task, const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
 /// Where a model that diverges does so, a sentence.
 Told DivergedText(const Task& task, const Eigen::VectorXd& theta);
 

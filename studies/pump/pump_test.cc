@@ -28,10 +28,10 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
 }
 
-/// 8 s of a random pump of which the outlet pressure alone is measured.
-Episode OutletEpisode(std::uint64_t seed) {
+/// Some seconds of a random pump of which the outlet pressure alone is measured.
+Episode OutletEpisode(std::uint64_t seed, double seconds = 8) {
   PumpOptions options = RandomPump(seed);
-  options.seconds = 8;
+  options.seconds = seconds;
   return PumpEpisode(SimulatePump(options), PumpFile(false));
 }
 StateFit OutletFit(const Episode& episode) {
@@ -45,6 +45,14 @@ TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
   const StateFit fit = OutletFit(episode);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_GT(fit.minima.size(), 1);
+  EXPECT_GT(PumpFit(fit), 98);
+}
+
+TEST(PumpStudy, StartsThatBeginCloseToOneAnotherDoNotSettleOnAWrongMinimumOfTheOutletPressure) {
+  const Episode episode = OutletEpisode(161, 12);
+  const StateFit fit = OutletFit(episode);
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_GT(fit.starts_tried, 2);
   EXPECT_GT(PumpFit(fit), 98);
 }
 
