@@ -123,10 +123,12 @@ json WriterJson(const WriterStatus& w) {
 }
 
 json FeedJson(const FeedStatus& f) {
-  return {{"name", f.name},           {"connected", f.connected},
-          {"state", f.state.english}, {"german", {{"state", f.state.german}}},
-          {"clients", f.clients},     {"delivered", f.delivered},
-          {"behind", f.behind},       {"errors", f.errors}};
+  json out = {{"name", f.name},           {"connected", f.connected},
+              {"state", f.state.english}, {"german", {{"state", f.state.german}}},
+              {"clients", f.clients},     {"delivered", f.delivered},
+              {"behind", f.behind},       {"errors", f.errors}};
+  if (!f.registers.empty()) out["registers"] = f.registers;
+  return out;
 }
 
 std::string Word(const json& object, const char* key) { return object.at(key).get<std::string>(); }

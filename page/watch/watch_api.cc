@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alarms/alarm_action.h"
+#include "alarms/feeds/modbus/tags.h"
 #include "core/constants.h"
 #include "core/json_value.h"
 #include "core/units.h"
@@ -221,12 +222,29 @@ HttpReply WatchApi::Alarms(const HttpRequest&) {
   return JsonReply({{"alarms", state->alarms}, {"now_s", WallSeconds()}});
 }
 
+namespace {
+
+/// Heartbeat, clock and their like are what the running feed serves, which no database knows.
+void ShowServed(const nlohmann::json& links, nlohmann::json& tags) {
+  std::map<std::string, std::string> served;
+  for (const nlohmann::json& link : links)
+    if (link.contains("registers"))
+      served = ServedValues(link["registers"].get<std::vector<std::uint16_t>>());
+  for (nlohmann::json& tag : tags)
+    if (const auto value = served.find(tag.value("address", ""));
+        value != served.end() && tag["feed"] == "modbus")
+      tag["value"] = value->second;
+}
+
+}  // namespace
+
 HttpReply WatchApi::Tags(const HttpRequest&) {
   const auto state = watcher_.state();
-  return JsonReply(
-      {{"tags", state->tags.is_null() ? nlohmann::json::array() : state->tags},
-       {"links", state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
-                                            : nlohmann::json::array()}});
+  auto tags = state->tags.is_null() ? nlohmann::json::array() : state->tags;
+  const auto links = state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
+                                                : nlohmann::json::array();
+  ShowServed(links, tags);
+  return JsonReply({{"tags", std::move(tags)}, {"links", links}});
 }
 
 HttpReply WatchApi::Service(const HttpRequest&) {

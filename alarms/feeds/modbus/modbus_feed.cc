@@ -42,6 +42,8 @@ class ModbusFeed : public Feed {
     status.delivered = cursor_;
     status.behind = last_ - cursor_;
     if (!listener_) return status;
+    const auto head = image_.registers().first(register_map::kFirstAxis);
+    status.registers.assign(head.begin(), head.begin() + register_map::kAcknowledgeOutcome + 1);
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
     status.refused = counters.refused + counters.malformed;

@@ -75,6 +75,21 @@ constexpr Place kAlarmPlaces[] = {
     {kAlarmName, Cell::kText32, "id", "", ""},
 };
 
+std::string ValueAt(std::span<const std::uint16_t> all, int at, Cell cell) {
+  const auto registers = all.subspan(static_cast<std::size_t>(at));
+  if (cell == Cell::kU16) return std::to_string(registers[0]);
+  if (cell == Cell::kU32) return std::to_string(DecodeUnsigned(registers.first(2)));
+  if (cell == Cell::kFloat) {
+    const double value = DecodeRegisters(registers, RegisterType::kFloat32, WordOrder::kAbcd);
+    return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+  }
+  std::string text;
+  for (std::size_t k = 0; k < (cell == Cell::kText16 ? 8 : 16); ++k)
+    for (const int character : {registers[k] >> 8, registers[k] & 0xff})
+      if (character != 0) text += static_cast<char>(character);
+  return text;
+}
+
 /// Lists places of one picture after the other.
 class TagList {
  public:
@@ -84,30 +99,16 @@ class TagList {
   void Add(std::span<const Place> places, int first, const std::string& axis, const std::string& of,
            const std::string& si = "") {
     for (const Place& place : places)
-      tags_.push_back({"modbus", axis, std::to_string(first + place.offset),
-                       of.empty() ? Counted(place.name) : of + ", " + Counted(place.name),
-                       kCellNames[static_cast<std::size_t>(place.cell)],
-                       place.unit == nullptr ? si : place.unit, Counted(place.meaning),
-                       place.of_service ? "" : ValueAt(first + place.offset, place.cell)});
+      tags_.push_back(
+          {"modbus", axis, std::to_string(first + place.offset),
+           of.empty() ? Counted(place.name) : of + ", " + Counted(place.name),
+           kCellNames[static_cast<std::size_t>(place.cell)], place.unit == nullptr ? si : place.unit,
+           Counted(place.meaning),
+           place.of_service ? "" : ValueAt(image_.registers(), first + place.offset, place.cell)});
   }
   std::vector<Tag> Take() { return std::move(tags_); }
 
  private:
-  std::string ValueAt(int at, Cell cell) const {
-    const auto registers = image_.registers().subspan(static_cast<std::size_t>(at));
-    if (cell == Cell::kU16) return std::to_string(registers[0]);
-    if (cell == Cell::kU32) return std::to_string(DecodeUnsigned(registers.first(2)));
-    if (cell == Cell::kFloat) {
-      const double value = DecodeRegisters(registers, RegisterType::kFloat32, WordOrder::kAbcd);
-      return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
-    }
-    std::string text;
-    for (std::size_t k = 0; k < (cell == Cell::kText16 ? 8 : 16); ++k)
-      for (const int character : {registers[k] >> 8, registers[k] & 0xff})
-        if (character != 0) text += static_cast<char>(character);
-    return text;
-  }
-
   /// The words with what the machine counts in place of strokes.
   std::string Counted(std::string words) const {
     constexpr std::string_view kStroke = CountedWords{}.one;
@@ -168,6 +169,15 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
                fmt::format("alarm {} {}", number, alarm.id), alarm.unit);
     }
   return list.Take();
+}
+
+std::map<std::string, std::string> ServedValues(std::span<const std::uint16_t> registers) {
+  std::map<std::string, std::string> values;
+  for (const Place& place : kHeadPlaces)
+    if (place.of_service &&
+        static_cast<std::size_t>(place.offset) + 1 < registers.size() + (place.cell == Cell::kU16))
+      values[std::to_string(place.offset)] = ValueAt(registers, place.offset, place.cell);
+  return values;
 }
 
 }  // namespace hydroscope

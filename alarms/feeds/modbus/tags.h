@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "alarms/feeds/feed_reader.h"
@@ -14,5 +18,8 @@ namespace hydroscope {
 std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
                             const std::vector<std::pair<std::string, std::string>>& alarms_by_appearance,
                             double wall, const CountedWords& counted = {});
+
+/// Of those that say something only while they are served, what a running feed serves (FeedStatus::registers), by address.
+std::map<std::string, std::string> ServedValues(std::span<const std::uint16_t> registers);
 
 }  // namespace hydroscope

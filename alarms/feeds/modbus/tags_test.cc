@@ -57,6 +57,21 @@ TEST(ModbusTags, StandWhereTheMapHasThemWithTheirValues) {
   EXPECT_EQ(Named(tags, "", "heartbeat").value, "") << "nothing is served";
 }
 
+TEST(ModbusTags, WhatOnlyARunningFeedKnowsIsReadFromItsRegisters) {
+  std::vector<std::uint16_t> registers(register_map::kAcknowledgeOutcome + 1, 0);
+  registers[register_map::kHeartbeat] = 4711;
+  registers[register_map::kNewest] = 1;
+  registers[register_map::kNewest + 1] = 2;
+  registers[register_map::kAcknowledgeOutcome] = 3;
+  const auto served = ServedValues(registers);
+  EXPECT_EQ(served.at(std::to_string(register_map::kHeartbeat)), "4711");
+  EXPECT_EQ(served.at(std::to_string(register_map::kNewest)), "65538");
+  EXPECT_EQ(served.at(std::to_string(register_map::kAcknowledgeOutcome)), "3");
+  for (const Tag& tag : TagsOfAPress())
+    EXPECT_TRUE(!served.contains(tag.address) || tag.value.empty()) << tag.name << " has two values";
+  EXPECT_TRUE(ServedValues({}).empty());
+}
+
 TEST(ModbusTags, AnAlarmHasTheNumberOfItsFirstAppearance) {
   const auto tags = TagsOfAPress();
   const Tag& state = Named(tags, "left", "alarm 2 internal_leakage, state");
