@@ -280,7 +280,9 @@ void EffectRanking::RefuteByTwins(std::vector<RankedEffect>& ranking) const {
     for (const RankedEffect& twin : ranking) {
       const double least = LeastOfTwin(*strokes_.model().effects[law.effect], twin.id);
       const double reached = twin.fit.solved ? std::max(twin.gain, 0.0) : 0;
-      if (!law.fit.solved || law.gain <= 0 || !twin.testable || reached >= least * law.gain) continue;
+      if (!law.fit.solved || law.gain <= options_.doubt_remainder || !twin.testable ||
+          reached >= least * law.gain)
+        continue;
       law.fit = {};
       law.gain = 0;
       law.testable = law.stands_out = law.significant = false;
