@@ -78,22 +78,12 @@ std::optional<Doubts::UnseenDelay> Doubts::MayMoveBetweenRows(const Explanation&
 
 /// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
 Told Doubts::ValueAtItsLimit(const Explanation& found) const {
-  for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
-    const Effect& effect = *strokes_.model().effects[found.chosen[k].effect];
-    const EffectShape& shape = strokes_.model().effect_shapes[found.chosen[k].effect][found.chosen[k].shape];
-    if (!shape.refined || effect.implied) continue;
-    for (std::size_t i = 0; i < shape.nonlinear.size(); ++i) {
-      const NonlinearParameter& value = effect.nonlinear[i];
-      const double margin = options_.limit_share * (value.max - value.min);
-      if (value.std > 0 || effect.grid.empty() ||
-          (shape.nonlinear[i] > value.min + margin && shape.nonlinear[i] < value.max - margin))
-        continue;
+  for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k)
+    if (const auto* value = NumberAtItsLimit(strokes_.model(), found.chosen[k], options_.limit_share))
       return Tell(
           "{} of {} comes out at the limit of what it may be: another law of this kind may be at work",
           "{} von {} liegt an der Grenze des Zulässigen: es kann ein anderes Gesetz dieser Art sein",
-          value.name, effect.id);
-    }
-  }
+          value->name, strokes_.model().effects[found.chosen[k].effect]->id);
   return {};
 }
 

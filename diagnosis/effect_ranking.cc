@@ -38,6 +38,13 @@ bool IsFreerThan(const Effect& law, const Effect& simpler) {
          std::find(law.confused_with.begin(), law.confused_with.end(), simpler.id) != law.confused_with.end();
 }
 
+/// Effect::Twin::least that a law asks of a twin.
+double LeastOfTwin(const Effect& law, std::string_view twin) {
+  for (const Effect::Twin& t : law.twins)
+    if (t.id == twin) return t.least;
+  return 0;
+}
+
 /// Best first; of gains that are the same but for less than a noise variance the library's order decides.
 void BestFirst(std::vector<RankedEffect>& ranking) {
   std::stable_sort(ranking.begin(), ranking.end(), [](const RankedEffect& a, const RankedEffect& b) {
@@ -57,6 +64,20 @@ bool AreConfused(const Effect& a, const Effect& b) {
 }
 
 std::size_t FreeNumbers(const Effect& effect) { return effect.implied ? 0 : effect.nonlinear.size(); }
+
+const NonlinearParameter* NumberAtItsLimit(const ModelStructure& model, const EffectChoice& choice,
+                                           double limit_share) {
+  const Effect& effect = *model.effects[choice.effect];
+  const EffectShape& shape = model.effect_shapes[choice.effect][choice.shape];
+  if (!shape.refined || effect.implied || effect.grid.empty()) return nullptr;
+  for (std::size_t i = 0; i < shape.nonlinear.size(); ++i) {
+    const NonlinearParameter& value = effect.nonlinear[i];
+    const double margin = limit_share * (value.max - value.min);
+    const bool inside = shape.nonlinear[i] > value.min + margin && shape.nonlinear[i] < value.max - margin;
+    if (!inside && value.std <= 0) return &value;
+  }
+  return nullptr;
+}
 
 Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
   return DifferenceWhereBoth(a.excess, b.excess);
@@ -247,10 +268,30 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
         std::find(options_.exclude.begin(), options_.exclude.end(), id) != options_.exclude.end();
     if (!Uses(on, e) && !excluded && !strokes_.model().effects[e]->generic) ranking.push_back(Try(on, e));
   }
+  RefuteByTwins(ranking);
   BestFirst(ranking);
   PreferStored(ranking);
   PreferMeasured(ranking);
   return ranking;
+}
+
+void EffectRanking::RefuteByTwins(std::vector<RankedEffect>& ranking) const {
+  for (RankedEffect& law : ranking)
+    for (const RankedEffect& twin : ranking) {
+      const double least = LeastOfTwin(*strokes_.model().effects[law.effect], twin.id);
+      const double reached = twin.fit.solved ? std::max(twin.gain, 0.0) : 0;
+      if (!law.fit.solved || law.gain <= options_.doubt_remainder || !twin.testable ||
+          reached >= least * law.gain)
+        continue;
+      law.fit = {};
+      law.gain = 0;
+      law.testable = law.stands_out = law.significant = false;
+      law.why_not = Tell(
+          "what it would explain is noise that it smooths: {} would explain as much of a late signal, and does not",
+          "was er erklären würde, ist Rauschen, das er glättet: {} würde bei einem verspäteten Signal ebenso viel "
+          "erklären und tut es nicht",
+          twin.id);
+    }
 }
 
 /// Of effects that explain as much, the best that stored strokes can test as well comes first: a name that
@@ -313,14 +354,34 @@ bool EffectRanking::StaysBeside(const Contender& candidate, const Contender& bes
   return simpler || IsTwin(candidate, best) || IsRival(*candidate.fit, *best.fit, gain);
 }
 
-std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking,
+bool EffectRanking::StaysWithinItsLimits(const CandidateModel& on, const RankedEffect& candidate,
+                                         const RankedEffect& best, double gain) const {
+  const auto stays = [&](const ExtendedFit& fit, double gained) {
+    return StaysBeside({candidate.effect, &fit, gained}, {best.effect, &best.fit, best.gain}, gain);
+  };
+  const auto at_limit = [&](const RankedEffect& r, int shape) {
+    return NumberAtItsLimit(strokes_.model(), {r.effect, shape}, options_.limit_share) != nullptr;
+  };
+  const int shape = candidate.fit.effects.back().choice.shape;
+  if (!at_limit(candidate, shape) || at_limit(best, best.fit.effects.back().choice.shape))
+    return stays(candidate.fit, candidate.gain);
+  const std::vector<int> shapes = ShapesFor(strokes_.model(), candidate.effect, on.choices);
+  return std::any_of(shapes.begin(), shapes.end(), [&](int other) {
+    if (at_limit(candidate, other)) return false;
+    const ExtendedFit fit = With(on, {candidate.effect, other}).fit;
+    return fit.solved && fit.effects.back().admissible && stays(fit, Gain(on.fit, fit));
+  });
+}
+
+std::vector<std::string> EffectRanking::Rivals(const CandidateModel& on,
+                                               const std::vector<RankedEffect>& ranking,
                                                bool complete) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
   for (const RankedEffect& candidate : ranking)
-    if (candidate.stands_out && StaysBeside({candidate.effect, &candidate.fit, candidate.gain},
-                                            {best.effect, &best.fit, best.gain}, complete ? 0 : best.gain))
+    if (candidate.id == best.id ||
+        (candidate.stands_out && StaysWithinItsLimits(on, candidate, best, complete ? 0 : best.gain)))
       set.push_back(candidate.id);
   return set;
 }

@@ -28,6 +28,10 @@ std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view
 bool AreConfused(const Effect& a, const Effect& b);
 /// Nonlinear parameters that a law leaves to the data.
 std::size_t FreeNumbers(const Effect& effect);
+/// One of these that the data put at a limit of what it may be (`limit_share`: of its range), nullptr if there is none: they would
+/// rather have another law.
+const NonlinearParameter* NumberAtItsLimit(const ModelStructure& model, const EffectChoice& choice,
+                                           double limit_share);
 
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.
@@ -65,9 +69,10 @@ class EffectRanking {
   /// Whether an effect stays in the set beside the best one: as good a rival where what a further law might still put right has
   /// gained `gain`, its twin, or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
   bool StaysBeside(const Contender& candidate, const Contender& best, double gain) const;
-  /// Effects of the ranking that stand out and stay beside the first one, the first one included. `complete`: the first
+  /// Effects of the ranking on top of `on` that stand out and stay beside the first one, the first one included. `complete`: the first
   /// leaves nothing to a further law, which would tell that its own is not quite right.
-  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking, bool complete) const;
+  std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
+                                  bool complete) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
   bool IsConfirmed(int effect) const;
   bool IsRefuted(const EffectEstimate& estimate) const;
@@ -84,6 +89,11 @@ class EffectRanking {
   bool IsTwin(const Contender& candidate, const Contender& best) const;
   /// An admissible fit with `ranked` in a shape of its grid takes the place of one that gains less.
   void TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int shape, RankedEffect& ranked) const;
+  /// Takes out laws whose twin would have to explain as much and does not (Effect::Twin::least).
+  void RefuteByTwins(std::vector<RankedEffect>& ranking) const;
+  /// A law within its limits: as ranked, or where the data put it at one of them, in the best shape that is not there.
+  bool StaysWithinItsLimits(const CandidateModel& on, const RankedEffect& candidate, const RankedEffect& best,
+                            double gain) const;
   /// Why these strokes cannot test an effect; `separable`: in some shape it is told from the model, `forbidden`: with a size
   /// that physics forbids.
   Told WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const;

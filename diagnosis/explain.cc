@@ -186,7 +186,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     }
   }
   if (!first.significant) return std::nullopt;
-  out.groups = {ranking_.Rivals(out.ranking, true)};
+  out.groups = {ranking_.Rivals(start_, out.ranking, true)};
   if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
@@ -194,7 +194,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
-  out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
+  out.groups = {ranking_.Rivals(start_, out.ranking, false), ranking_.Rivals(model, out.second, true)};
   return WithSecond(model, second);
 }
 

@@ -55,6 +55,7 @@ class OwnMachineExplainer {
     Judge(out);
     if (out.verdict != Verdict::kUnknown) ObjectIfAGeneralLawIsBetter(laws, out);
     if (out.verdict != Verdict::kUnknown && !out.partial) DoubtIfAnyCurve(out);
+    if (out.verdict != Verdict::kUnknown) TellWhatIsLeft(out);
     return out;
   }
 
@@ -161,6 +162,21 @@ class OwnMachineExplainer {
           "{} gehen alle mit {} allein: zusammen zeichnen sie die Kurve jedes Gesetzes davon, auch eines, das der "
           "Maschinendatei fehlt",
           fmt::to_string(fmt::join(ids, ", ")), signal);
+    }
+  }
+
+  /// Beside what is named a law may be missing: something of general shape is in what is left, for sure.
+  void TellWhatIsLeft(Explanation& out) const {
+    for (const RankedEffect& law : ranking_.RankGeneric({out.chosen, out.final})) {
+      if (!law.significant || law.p_value > options_.sure_of_more || !IsSure(Worse(out.final, law.fit), out))
+        continue;
+      out.remainder = law.gain;
+      out.remainder_law = strokes_.model().effects[law.effect]->title;
+      out.warnings.push_back(Tell(
+          "beside what is named something else is missing, which no effect of the machine file explains: it goes with {}",
+          "neben dem Genannten fehlt noch etwas, das kein Effekt der Maschinendatei erklärt: es geht mit {}",
+          out.remainder_law));
+      return;
     }
   }
 

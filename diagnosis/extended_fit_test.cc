@@ -50,6 +50,7 @@ RankedEffect Explaining(const ModelStructure& model, const std::string& id, doub
   ranked.gain = gain;
   ranked.stands_out = ranked.significant = true;
   ranked.fit.excess = Eigen::VectorXd::LinSpaced(10, left, left + 1);
+  ranked.fit.effects = {{.choice = {ranked.effect, 0}}};
   return ranked;
 }
 
@@ -62,7 +63,7 @@ std::vector<std::string> BesideTheFreerLeak(double more) {
   const std::vector<RankedEffect> ranking = {Explaining(*model, "leakage_temperature", 10000, 0),
                                              Explaining(*model, "internal_leakage", 10000 - more, more / 10),
                                              Explaining(*model, "orifice_leakage", 10000 - more, more / 10)};
-  return EffectRanking(strokes, options, 1.0).Rivals(ranking, true);
+  return EffectRanking(strokes, options, 1.0).Rivals({}, ranking, true);
 }
 
 TEST(EffectRanking, ASimplerLawStaysBesideAFreerOneThatHardlyGains) {

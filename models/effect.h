@@ -66,6 +66,9 @@ struct Effect {
   struct Twin {
     std::string id;
     double share = 0.9;  ///< stays beside the better one while it gains this share of what that does
+    /// Share of its gain that a law of the one who tells needs the twin to reach: one that only smooths noise has a twin that
+    /// explains nothing.
+    double least = 0;
   };
   std::vector<Twin> twins;  ///< told by one of the two
   /// Of a signal that is late: up to so many rows it may be how the signal moves between two rows, unseen.

@@ -58,6 +58,7 @@ struct LateTally {
   int logs = 0, alone = 0, both = 0, wrong = 0, open = 0;
   double truth_leaves = 0,
          twin_leaves = 0;  ///< most of the noise energy that the one leaves more than the other
+  double twin_gains = 1;   ///< least of what the truth gains that the twin does
 };
 
 void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
@@ -68,13 +69,16 @@ void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
   t.both += truth && twin;
   t.wrong += twin && !truth;
   t.open += !truth && !twin;
-  double left[2] = {NAN, NAN};
+  double left[2] = {NAN, NAN}, gains[2] = {0, 0};
   for (const RankedEffect& r : x.ranking)
-    if (r.fit.solved && r.significant && (r.id == c.truth || r.id == c.twin))
+    if (r.fit.solved && r.significant && (r.id == c.truth || r.id == c.twin)) {
       left[r.id == c.twin] = r.fit.excess_ratio;
+      gains[r.id == c.twin] = r.gain;
+    }
   if (!std::isfinite(left[0]) || !std::isfinite(left[1])) return;
   t.truth_leaves = std::max(t.truth_leaves, left[0] - left[1]);
   t.twin_leaves = std::max(t.twin_leaves, left[1] - left[0]);
+  t.twin_gains = std::min(t.twin_gains, gains[1] / gains[0]);
 }
 
 }  // namespace
@@ -91,18 +95,19 @@ int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
     progress.Update((i + 1.0) / cases, i + 1);
   }
   std::cout << fmt::format("{} logs with one signal late or filtered, seed {}\n\n", cases, seed)
-            << fmt::format("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14}{:>14}\n", "", "logs", "alone", "both",
-                           "wrong", "open", "truth leaves", "twin leaves");
+            << fmt::format("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14}{:>14}{:>14}\n", "", "logs", "alone", "both",
+                           "wrong", "open", "truth leaves", "twin leaves", "twin gains");
   int wrong = 0;
   for (std::size_t s = 0; s < tallies.size(); ++s) {
     const LateTally& t = tallies[s];
-    fmt::print("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs, t.alone, t.both,
-               t.wrong, t.open, t.truth_leaves, t.twin_leaves);
+    fmt::print("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs, t.alone,
+               t.both, t.wrong, t.open, t.truth_leaves, t.twin_leaves, t.twin_gains);
     wrong += t.wrong;
   }
   std::cout
       << "\nleaves: most of the noise energy that it leaves more than the other; a twin is given up from "
-      << fmt::format("{:.2f} on\n", kTwinExcess);
+      << fmt::format("{:.2f} on\n", kTwinExcess)
+      << "gains: least of what the truth gains that the twin does\n";
   return wrong == 0 ? 0 : 1;
 }
 

@@ -199,7 +199,7 @@ void DoubtForUntriedLaws(Explanation& x) {
 }
 
 /// What stored sums lack, where something is left that no effect explains: the colour of noise, if nobody looked at it while the
-/// rows were there, and effects at other values of their thresholds and widths than those of the grid.
+/// rows were there, effects at other values of their thresholds and widths than those of the grid, and laws without a name.
 void SayWhatALogWouldTell(const StrokeHistory& history, Explanation& x) {
   if (x.verdict != Verdict::kUnknown || x.small_error || !x.doubt.empty()) return;
   const bool shaped = std::ranges::any_of(x.final.effects, [&](const EffectEstimate& e) {
@@ -217,6 +217,12 @@ void SayWhatALogWouldTell(const StrokeHistory& history, Explanation& x) {
         "the shape of its law is known on a grid only; 'hydroscope explain' with a log of this machine refines it",
         "die Form seines Gesetzes ist nur auf einem Raster bekannt; 'hydroscope explain' mit einer Aufzeichnung dieser "
         "Maschine verfeinert sie");
+  else if (IsOwnMachine(*x.model))
+    x.doubt = Tell(
+        "a law that the machine file lacks is looked for in a log only; 'hydroscope explain' with one of this machine "
+        "proposes what may be missing",
+        "ein Gesetz, das der Maschinendatei fehlt, wird nur in einer Aufzeichnung gesucht; 'hydroscope explain' mit einer "
+        "dieser Maschine schlägt vor, was fehlen kann");
 }
 
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "diagnosis/subset_search.h"
+#include "workbench/explain/explain_history.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/explain/own_machine_fixture.h"
@@ -81,6 +82,40 @@ TEST(OwnMachines, WhatALawThatTheFileLacksGoesWithIsSaid) {
   EXPECT_EQ(result->explanation.proposed.front().expression, "p*ddt(x)");
   EXPECT_LT(result->explanation.proposed.front().rms_holdout, 1.1 * result->explanation.final.noise_floor);
   EXPECT_THAT(ExplainText(*result), HasSubstr("terms = { k = \"p*ddt(x)\" }"));
+}
+
+TEST(OwnMachines, ASmallLawThatTheFileLacksIsToldBesideTheNamedOne) {
+  OwnMachineCase simulated{
+      .hidden = {"coulomb", "coulomb", "coulomb", "pressure_viscous"}, .size = 0.05, .noise = 0.3, .seed = 4};
+  Machine machine = OwnMachine();
+  std::erase_if(machine.user_effects, [](const auto& effect) { return effect.id == "pressure_viscous"; });
+  const auto said = [&] {
+    const auto result = ExplainStrokes(OwnMachineStrokes(simulated, machine));
+    EXPECT_THAT(result->explanation.set, testing::ElementsAre("coulomb"));
+    return testing::Value(
+        result->explanation.warnings,
+        testing::Contains(testing::Field(&Told::english, HasSubstr("something else is missing"))));
+  };
+  EXPECT_TRUE(said());
+  simulated.hidden.pop_back();
+  EXPECT_FALSE(said());
+}
+
+/// Stored sums have no columns of laws of general shape.
+TEST(OwnMachines, StoredStrokesThatNoEffectExplainsSayThatALogTellsMore) {
+  Machine machine = OwnMachine();
+  machine.user_effects = {machine.user_effects.back()};
+  const LogStrokes log = OwnMachineStrokes({.hidden = {"pressure_viscous"}, .seed = 6}, machine);
+  StrokeHistory history;
+  history.machine = machine;
+  history.model = log.model;
+  history.window = log.window;
+  history.units = log.Grams();
+  history.parts = {{machine.name, 1, 0, static_cast<std::int64_t>(history.units.size())}};
+  const auto result = ExplainHistory(history);
+  ASSERT_TRUE(result);
+  ASSERT_EQ(result->explanation.verdict, Verdict::kUnknown);
+  EXPECT_THAT(ExplainText(*result), HasSubstr("proposes what may be missing"));
 }
 
 /// A file without a single effect: what moves is what its gate looks at.

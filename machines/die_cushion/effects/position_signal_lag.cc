@@ -23,7 +23,7 @@ Effect PositionSignalLag(const CushionGeometry&) {
   e.source = "eq. 1 of the press paper with the signal filtered";
   e.family = {"the position is recorded late", "die Position wird verspätet aufgezeichnet"};
   e.confused_with = {"position_signal_delay", "spool_signal_delay", "pressure_signal_delay"};
-  e.twins = {{"position_signal_delay", kPositionShare}};
+  e.twins = {{"position_signal_delay", kPositionShare, kDelayGains}};
   e.hidden_in = "V0, K";
   e.plain =
       "The position is smoothed before it is recorded; look for: a filter in the "

@@ -14,7 +14,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
   e.source = "eq. 1-2 of the press paper with the signal filtered";
   e.family = {"the pressure is recorded late", "der Druck wird verspätet aufgezeichnet"};
   e.confused_with = {"pressure_signal_delay", "spool_signal_delay", "line_inertance"};
-  e.twins = {{"pressure_signal_delay"}};
+  e.twins = {{.id = "pressure_signal_delay", .least = kDelayGains}};
   e.hidden_in = "V0, K";
   e.plain =
       "The pressure is smoothed before it is recorded; look for: a filter in the amplifier or the "

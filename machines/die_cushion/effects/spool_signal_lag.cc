@@ -16,7 +16,7 @@ Effect SpoolSignalLag(const CushionGeometry&) {
   e.source = "eq. 2 of the press paper with the signal filtered";
   e.family = {"the spool position is recorded late", "die Schieberstellung wird verspätet aufgezeichnet"};
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
-  e.twins = {{"spool_signal_delay"}};
+  e.twins = {{.id = "spool_signal_delay", .least = kDelayGains}};
   e.unseen_rows = 0.5;  // where its command is held from row to row
   e.hidden_in = "V0, K";
   e.plain =
