@@ -50,7 +50,7 @@ RankedEffect Explaining(const ModelStructure& model, const std::string& id, doub
   ranked.gain = gain;
   ranked.stands_out = ranked.significant = true;
   ranked.fit.excess = Eigen::VectorXd::LinSpaced(10, left, left + 1);
-  ranked.fit.effects = {{.choice = {ranked.effect, 0}}};
+  ranked.fit.effects.emplace_back().choice = {ranked.effect, 0};
   return ranked;
 }
 
