@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "cli/command_answer.h"
@@ -31,6 +33,20 @@ void Wait(PageServer& page, const sigset_t& signals) {
   while (sigtimedwait(&signals, nullptr, &kPatience) < 0) page.KeepAlive();
 }
 
+/// What the page works on is brought to its end; another signal ends the program without it.
+void CloseOrLeave(std::unique_ptr<PageServer> page, const sigset_t& signals) {
+  const std::jthread impatience([&signals](const std::stop_token& ended) {
+    constexpr timespec kLook{0, 100'000'000};
+    constexpr int kLooksUntilTold = 10;
+    for (int look = 0; !ended.stop_requested(); ++look) {
+      if (sigtimedwait(&signals, nullptr, &kLook) > 0) std::_Exit(kDone);
+      if (look == kLooksUntilTold)
+        SayBeside("ending once the work under way is done; Ctrl-C again ends at once\n");
+    }
+  });
+  page.reset();
+}
+
 Status RunOpen(PageOptions options) {
   const sigset_t signals = EndingSignals();
   options.examples = ExamplePressLogs();
@@ -48,9 +64,10 @@ Status RunOpen(PageOptions options) {
       return asked ? Status() : tl::unexpected(asked.error());
     };
   }
-  const auto page = TRY(PageServer::Open(options));
+  auto page = TRY(PageServer::Open(options));
   Say(fmt::format("{}  (Ctrl-C ends it)\n", page->address()));
   Wait(*page, signals);
+  CloseOrLeave(std::move(page), signals);
   return {};
 }
 

@@ -85,7 +85,7 @@ nlohmann::json JobQueue::Json() const {
 }
 
 void JobQueue::Run(int niceness) {
-  setpriority(PRIO_PROCESS, 0, niceness);  // of this thread
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness);  // of this thread
   std::unique_lock lock(mutex_);
   const auto next = [this] {
     return std::find_if(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.state == "waiting"; });

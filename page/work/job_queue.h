@@ -19,7 +19,7 @@ namespace hydroscope {
 /// of a failed one `error`.
 class JobQueue {
  public:
-  /// `niceness` of the thread, as setpriority.
+  /// `niceness` of the thread beyond that of the process.
   explicit JobQueue(EventFeed& feed, int niceness = 0);
   /// Waits for the piece under way; what still waits is forgotten.
   ~JobQueue();

@@ -1,5 +1,6 @@
 // What may come in another order than usual when a page begins. node --test start_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
 
+import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { endBrowser, startBrowser, visitIn } from "./browser_fixture.mjs";
@@ -53,4 +54,16 @@ test("a program that begins anew at the same port works everything out anew, and
   await page.waitForSelector(".lost", { state: "detached" });
   await page.waitForSelector(".scrubber");
   await page.waitForSelector("[data-verdict]");
+});
+
+test("a second Ctrl-C ends it at once, though work is under way", async (t) => {
+  run(["simulate", "pump", "--out", "pump.csv"], place.path);
+  const pump = fileURLToPath(new URL("../../machines/pump.toml", import.meta.url));
+  const { page, address, served } = await visitIn(place.path, t, ["pump.csv", "--machine", pump]);
+  await page.goto(`${address}#step=check`);
+  await page.waitForSelector(".stepper");
+  const ended = served.stop(), after = (ms) => new Promise((go) => setTimeout(go, ms, "works on"));
+  assert.equal(await Promise.race([ended, after(2000)]), "works on");  // a pump is explained in ten seconds
+  process.kill(served.pid, "SIGINT");
+  assert.equal(await Promise.race([ended, after(2000)]), 0);
 });
