@@ -66,8 +66,7 @@ struct Effect {
   struct Twin {
     std::string id;
     double share = 0.9;  ///< stays beside the better one while it gains this share of what that does
-    /// Share of its gain that a law of the one who tells needs the twin to reach: one that only smooths noise has a twin that
-    /// explains nothing.
+    /// Share of its gain that the law needs its twin to reach: of one that only smooths noise the twin explains nothing.
     double least = 0;
   };
   std::vector<Twin> twins;  ///< told by one of the two

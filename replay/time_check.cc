@@ -36,15 +36,22 @@ double SamplePeriodOf(const std::vector<double>& times) {
   return rate >= 1 && std::abs(rate * period - 1.0) < 1e-6 ? 1.0 / rate : period;
 }
 
+tl::unexpected<Error> NewestFirst(const std::string& origin, const std::string& column) {
+  return BadInput(Tell(
+      "log '{}', column '{}': the time falls from row to row: the newest row stands first. Sort the rows by time, "
+      "the oldest first",
+      "Log '{}', Spalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen nach "
+      "der Zeit sortieren, die älteste zuerst",
+      origin, column));
+}
+
+bool Falls(const std::vector<double>& times) {
+  return times.size() > 1 && std::ranges::adjacent_find(times, std::less_equal<>()) == times.end();
+}
+
 tl::unexpected<Error> NoSamplePeriod(const std::string& origin, const std::string& column,
                                      const std::vector<double>& times, const std::string& unit) {
-  if (times.size() > 1 && std::ranges::is_sorted(times, std::greater<>()) && times.back() < times.front())
-    return BadInput(Tell(
-        "log '{}', time column '{}': the time falls from row to row: the newest row stands first. Sort the rows by "
-        "time, the oldest first",
-        "Log '{}', Zeitspalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen "
-        "nach der Zeit sortieren, die älteste zuerst",
-        origin, column));
+  if (Falls(times)) return NewestFirst(origin, column);
   return BadInput(Tell(
       "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
       "'{}' (unit of time in [log]), or give sample_period in s there",

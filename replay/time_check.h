@@ -20,6 +20,10 @@ inline constexpr double kCoarseShare = 0.1;
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
 
+/// Whether each time lies before the one of the row before, and what to do then.
+bool Falls(const std::vector<double>& times);
+tl::unexpected<Error> NewestFirst(const std::string& origin, const std::string& column);
+
 /// Why no period was found in the times of the first rows, s, and what to do.
 tl::unexpected<Error> NoSamplePeriod(const std::string& origin, const std::string& column,
                                      const std::vector<double>& times, const std::string& unit);

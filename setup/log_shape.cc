@@ -1,14 +1,15 @@
 #include "setup/log_shape.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/told_error.h"
+#include "replay/time_check.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kMost = 0.5;  ///< share of rows that shows a habit of the whole log
+constexpr double kMost = 0.5;            ///< share of rows that shows a habit of the whole log
+constexpr std::size_t kFewestRows = 20;  ///< that show one
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
@@ -60,7 +61,7 @@ std::size_t TimeColumn(const LogHead& head) {
 Status CheckLongForm(const LogHead& head, const std::string& path) {
   constexpr std::size_t kMostColumns = 6;  // time, name, value, and perhaps quality, unit, address
   const std::size_t rows = head.rows(), time = TimeColumn(head);
-  if (head.columns.size() > kMostColumns || rows < 20) return {};
+  if (head.columns.size() > kMostColumns || rows < kFewestRows) return {};
   for (std::size_t c = 0; c < head.words.size(); ++c) {
     const LogWords& words = head.words[c];
     if (c == time || words.rows != rows || words.seen.size() < 2) continue;
@@ -82,27 +83,15 @@ Status CheckLongForm(const LogHead& head, const std::string& path) {
   return {};
 }
 
-/// The newest row first.
-Status CheckOrder(const LogHead& head, const std::string& path) {
-  const std::size_t c = TimeColumn(head);
-  if (c >= head.columns.size() || head.rows() < 20) return {};
-  const std::vector<double>& time = head.columns[c];
-  for (std::size_t row = 1; row < time.size(); ++row)
-    if (!(time[row] < time[row - 1])) return {};
-  return BadInput(Tell(
-      "log '{}', column '{}': the time falls from row to row: the newest row stands first. Sort the rows by time, "
-      "the oldest first",
-      "Log '{}', Spalte '{}': die Zeit fällt von Zeile zu Zeile: die neueste Zeile steht zuerst. Die Zeilen nach "
-      "der Zeit sortieren, die älteste zuerst",
-      path, head.layout.names[c]));
-}
-
 }  // namespace
 
 Status CheckShape(const LogHead& head, const std::string& path) {
   TRY(CheckGroups(head, path));
   TRY(CheckLongForm(head, path));
-  return CheckOrder(head, path);
+  const std::size_t time = TimeColumn(head);
+  if (head.rows() >= kFewestRows && Falls(head.columns[time]))
+    return NewestFirst(path, head.layout.names[time]);
+  return {};
 }
 
 }  // namespace hydroscope

@@ -104,14 +104,16 @@ std::string CardLog(bool spool_first) {
 
 /// Inches, °F and what the head of a table writes behind a stroke.
 TEST(MachineProposal, UnitsOfOtherCountriesAndOfTablesAreTaken) {
-  std::string inches = "Time (s),Pressure A (psi),Supply (psi),Position (in),Spool (%),Oil temp (°F)\n";
-  std::string table = "t/s,p_A/MPa,p_0/MPa,z/m,y_v/1,T_oil/K\n";
-  for (const PressRow& r : PressRows()) {
-    inches += fmt::format("{:.4f},{:.2f},{:.2f},{:.5f},{:.3f},{:.2f}\n", r.t, r.p_A / 6894.757,
-                          r.p_0 / 6894.757, r.z / 0.0254, 100 * r.y_v, (r.T_oil - 273.15) * 1.8 + 32);
-    table += fmt::format("{:.4f},{:.5f},{:.5f},{:.6f},{:.5f},{:.2f}\n", r.t, r.p_A / 1e6, r.p_0 / 1e6, r.z,
-                         r.y_v, r.T_oil);
-  }
+  const std::string inches = PressLog(
+      "Time (s),Pressure A (psi),Supply (psi),Position (in),Spool (%),Oil temp (°F)\n",
+      [](const PressRow& r) {
+        return fmt::format("{:.4f},{:.2f},{:.2f},{:.5f},{:.3f},{:.2f}", r.t, r.p_A / 6894.757,
+                           r.p_0 / 6894.757, r.z / 0.0254, 100 * r.y_v, (r.T_oil - 273.15) * 1.8 + 32);
+      });
+  const std::string table = PressLog("t/s,p_A/MPa,p_0/MPa,z/m,y_v/1,T_oil/K\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.5f},{:.5f},{:.6f},{:.5f},{:.2f}", r.t, r.p_A / 1e6, r.p_0 / 1e6, r.z, r.y_v,
+                       r.T_oil);
+  });
   ExpectColumns(Propose(inches).machine, {{"p_A", "Pressure A (psi) psi"},
                                           {"p_0", "Supply (psi) psi"},
                                           {"z", "Position (in) in"},
@@ -126,10 +128,10 @@ TEST(MachineProposal, UnitsOfOtherCountriesAndOfTablesAreTaken) {
 
 /// A unit nobody here knows is not taken for the one that the size of the numbers suggests without a word.
 TEST(MachineProposal, AUnitThatIsNotKnownIsToBeLookedAt) {
-  std::string text = "t [s],p_A [bar],z [furlong],y_v\n";
-  for (const PressRow& r : PressRows())
-    text += fmt::format("{:.4f},{:.3f},{:.5f},{:.5f}\n", r.t, r.p_A / 1e5, r.z / 0.0254, r.y_v);
-  const MachineProposal proposal = Propose(text);
+  const MachineProposal proposal =
+      Propose(PressLog("t [s],p_A [bar],z [furlong],y_v\n", [](const PressRow& r) {
+        return fmt::format("{:.4f},{:.3f},{:.5f},{:.5f}", r.t, r.p_A / 1e5, r.z / 0.0254, r.y_v);
+      }));
   const auto position = std::ranges::find(proposal.columns, "z", &ProposedColumn::signal);
   ASSERT_NE(position, proposal.columns.end());
   EXPECT_FALSE(position->sure);

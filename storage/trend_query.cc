@@ -41,9 +41,8 @@ void ReadTrend(Connection& connection, const RunRow& run,
   Query query(
       connection,
       "SELECT s.stroke, s.end_s, s.oil_temperature_K, e.parameter, e.value, e.std, e.excitation, "
-      "e.last_excited_s, e.reason, e.oil_temperature_K FROM stroke s JOIN estimate e ON e.run = s.run "
-      "AND e.stroke = s.stroke WHERE s.run = ? AND s.stroke >= ? AND s.stroke < ? ORDER BY s.stroke, "
-      "e.parameter",
+      "e.last_excited_s, e.reason, e.oil_temperature_K FROM stroke s JOIN estimate e ON e.run = s.run AND "
+      "e.stroke = s.stroke WHERE s.run = ? AND s.stroke >= ? AND s.stroke < ? ORDER BY s.stroke, e.parameter",
       run.id, from, to);
   while (query.Step()) {
     const auto parameter = parameters.find(query.Int(3));

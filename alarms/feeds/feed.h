@@ -19,8 +19,8 @@ struct FeedStatus {
   std::int64_t errors = 0;     ///< rounds that failed, since the start
   std::int64_t refused = 0;    ///< clients turned away, or ended because of what they sent
   std::string refusal = "";    ///< the latest of these, in words
-  std::vector<std::uint16_t> registers =
-      {};  ///< those before the axes as they are served, of a feed that has them
+  /// Those before the axes as they are served, of a feed that has registers.
+  std::vector<std::uint16_t> registers = {};
 };
 
 /// Tells somebody outside what the journal and the trends hold. Each has threads and database handles of its
