@@ -125,7 +125,7 @@ void LiveWriter::Run() {
   FetchMemory(BurstMemory(axes_.size()));
   DiskHasRoom();  // known before anything is to be written
   std::unique_lock lock(mutex_);
-  to_fetch_ = axes_.size();
+  to_fetch_ = 2 * axes_.size();  // sums that an earlier life began come first, and push pages out
   while (WaitForWork(lock)) {
     lock.unlock();
     const Status file = LookAtFile();
@@ -173,7 +173,7 @@ void LiveWriter::FetchPages() {
   {
     std::lock_guard lock(mutex_);
     if (to_fetch_ == 0) return;
-    axis = --to_fetch_;
+    axis = --to_fetch_ % axes_.size();
   }
   static_cast<void>(database_->FetchPages(axes_[axis].run));
 }

@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -28,16 +29,19 @@ inline std::int64_t NextSequence(const std::vector<RunRow>& runs) {
   return runs.empty() ? 0 : runs.back().first_sequence + runs.back().strokes;
 }
 
+/// Sums are kept of every full group of so many strokes, by machine-wide sequence and starting at multiples of it.
+inline constexpr std::array<std::int64_t, 2> kRollupStrokes = {64, 4096};
+
 /// Sum of several strokes with their model version.
 struct Rollup {
   StrokeGram gram;
   int model_version = 0;
 };
 
-/// Sum of the strokes of a group so far.
+/// Sum of a group so far, of its strokes or of its smaller groups.
 struct GroupUnderWay {
   std::int64_t next = -1;  ///< sequence that has to come; -1: its begin was not seen
-  bool uniform = true;     ///< all are of one model version
+  bool uniform = true;     ///< all are there, and of one model version
   Rollup sum = {};
 };
 
@@ -48,7 +52,7 @@ struct MachineMemory {
   /// Steps of the clock between the runs `steps_from` to `steps_to`, s.
   std::int64_t steps_from = -1, steps_to = -1;
   double steps = 0;
-  GroupUnderWay group;
+  std::array<GroupUnderWay, kRollupStrokes.size()> groups;  ///< of each size of kRollupStrokes
 };
 
 /// An open database file with its prepared statements and the look-ups that several parts need. Throws

@@ -216,7 +216,8 @@ class Database {
   /// up to 1 MB for each, however long their histories are; else each stroke reads them anew, and writes them twice.
   Status KeepPagesOf(std::size_t machines);
   /// Reads the pages into which the next stroke of a run goes. Whatever another connection writes, a checkpoint too, makes
-  /// SQLite forget all it keeps; what is fetched in a pause the next stroke does not wait for.
+  /// SQLite forget all it keeps; what is fetched in a pause the next stroke does not wait for. The sums of
+  /// groups of strokes that another process began are fetched as well.
   Status FetchPages(std::int64_t run);
   /// Pages read from the file into SQLite's memory so far.
   std::int64_t PagesRead() const;

@@ -19,49 +19,35 @@ bool Fits(const SymmetricMatrix& sum, const SymmetricMatrix& matrix) {
   return sum.dimension() == 0 || matrix.dimension() == 0 || sum.dimension() == matrix.dimension();
 }
 
-bool AddStroke(Rollup& sum, int model_version, const StrokeGram& gram) {
-  if (sum.model_version == 0) sum.model_version = model_version;
-  return sum.model_version == model_version && AddGram(sum.gram, gram);
-}
-
-/// Adds the run's newest stroke to the sum of its group.
-Status FollowGroup(Connection& connection, const RunRow& run, std::int64_t sequence,
-                   std::span<const std::uint8_t> bytes) {
-  GroupUnderWay& group = connection.memory[run.machine].group;
-  if (sequence % kRollupStrokes.front() == 0) group = {.next = sequence};
-  if (group.next != sequence) return group.next = -1, Status();
-  const auto gram = TRY(DecodeGram(bytes));
-  group.uniform = group.uniform && AddStroke(group.sum, run.model_version, gram);
-  ++group.next;
-  return {};
-}
-
-/// Sum of a group's single strokes; nullopt if they are of more than one model version.
-Result<std::optional<Rollup>> SumOfStrokes(Connection& connection, std::int64_t machine, std::int64_t first,
-                                           std::int64_t last) {
-  const GroupUnderWay& group = connection.memory[machine].group;
-  if (group.next == last) return group.uniform ? std::optional<Rollup>(group.sum) : std::nullopt;
-  Rollup sum;
-  bool uniform = true;
-  TRY(ForEachGram(connection, machine, first, last, [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
-    uniform = uniform && AddStroke(sum, run.model_version, gram);
-    return Status();
-  }));
-  return uniform ? std::optional<Rollup>(std::move(sum)) : std::nullopt;
-}
-
-/// Sum of a group's smaller groups; nullopt if one is missing or of another model version.
-Result<std::optional<Rollup>> SumOfGroups(Connection& connection, std::int64_t machine, std::int64_t first,
-                                          std::int64_t last, std::int64_t group) {
-  Rollup sum;
-  for (std::int64_t at = first; at < last; at += group) {
-    const auto part = TRY(FindRollup(connection, machine, group, at));
-    if (!part) return std::optional<Rollup>();
-    if (sum.model_version == 0) sum.model_version = part->model_version;
-    if (sum.model_version != part->model_version || !AddGram(sum.gram, part->gram))
-      return std::optional<Rollup>();
+/// Adds a part of the group, nullopt if it is missing.
+void AddPart(GroupUnderWay& group, const std::optional<Rollup>& part) {
+  if (!part || !group.uniform) {
+    group.uniform = false;
+    return;
   }
-  return std::optional<Rollup>(std::move(sum));
+  if (group.sum.model_version == 0) group.sum.model_version = part->model_version;
+  group.uniform = group.sum.model_version == part->model_version && AddGram(group.sum.gram, part->gram);
+}
+
+/// Strokes in a part of a group of this size: one, or a smaller group.
+std::int64_t PartStrokes(std::size_t size) { return size == 0 ? 1 : kRollupStrokes[size - 1]; }
+
+/// What is stored of the group that holds sequence `next`, up to there; `next` begins one of its parts.
+Result<GroupUnderWay> StoredGroup(Connection& connection, std::int64_t machine, std::size_t size,
+                                  std::int64_t next) {
+  GroupUnderWay group{.next = next};
+  const std::int64_t first = next - next % kRollupStrokes[size];
+  if (size == 0) {
+    TRY(ForEachGram(connection, machine, first, next,
+                    [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
+                      AddPart(group, Rollup{std::move(gram), run.model_version});
+                      return Status();
+                    }));
+    return group;
+  }
+  for (std::int64_t at = first; at < next && group.uniform; at += PartStrokes(size))
+    AddPart(group, TRY(FindRollup(connection, machine, PartStrokes(size), at)));
+  return group;
 }
 
 }  // namespace
@@ -121,22 +107,39 @@ Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t fi
 
 Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const std::uint8_t> gram) {
   const std::int64_t machine = run.machine, sequence = run.first_sequence + run.strokes - 1;
-  TRY(FollowGroup(connection, run, sequence, gram));
-  std::int64_t smaller = 1;
-  for (const std::int64_t group : kRollupStrokes) {
-    const std::int64_t last = sequence + 1;
-    if (last % group != 0) return {};
-    const std::int64_t first = last - group;
-    const auto sum = TRY(smaller == 1 ? SumOfStrokes(connection, machine, first, last)
-                                      : SumOfGroups(connection, machine, first, last, smaller));
-    if (!sum) return {};
-    const auto bytes = EncodeGram(sum->gram, NoisePrecision::kDouble);
+  auto part = std::optional(Rollup{TRY(DecodeGram(gram)), run.model_version});
+  std::int64_t at = sequence;  // first stroke of the part
+  for (std::size_t size = 0; size < kRollupStrokes.size(); ++size) {
+    GroupUnderWay& group = connection.memory[machine].groups[size];
+    const std::int64_t strokes = kRollupStrokes[size], first = at - at % strokes;
+    const bool complete = sequence + 1 == first + strokes;
+    if (at == first)
+      group = {.next = at};
+    else if (group.next != at)
+      group = complete ? TRY(StoredGroup(connection, machine, size, at)) : GroupUnderWay();
+    if (group.next != at) return {};
+    AddPart(group, part);
+    group.next = sequence + 1;
+    if (!complete) return {};
+    part = group.uniform ? std::optional(std::move(group.sum)) : std::nullopt;
+    at = first;
+    if (!part) continue;
+    const auto bytes = EncodeGram(part->gram, NoisePrecision::kDouble);
     Query(
         connection,
         "INSERT INTO gram_rollup(machine, strokes, first_sequence, model_version, gram) VALUES(?, ?, ?, ?, ?)",
-        machine, group, first, sum->model_version, bytes)
+        machine, strokes, first, part->model_version, bytes)
         .Run();
-    smaller = group;
+  }
+  return {};
+}
+
+Status FetchRollups(Connection& connection, std::int64_t machine, std::int64_t next) {
+  for (std::size_t size = 0; size < kRollupStrokes.size(); ++size) {
+    GroupUnderWay& group = connection.memory[machine].groups[size];
+    const std::int64_t at = next - next % PartStrokes(size);
+    if (at % kRollupStrokes[size] != 0 && group.next != at)
+      group = TRY(StoredGroup(connection, machine, size, at));
   }
   return {};
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -11,15 +10,13 @@
 
 namespace hydroscope {
 
-/// Sums are kept of every full group of so many strokes, by machine-wide sequence and starting at multiples
-/// of it.
-inline constexpr std::array<std::int64_t, 2> kRollupStrokes = {64, 4096};
-
 /// To be called after the run's newest stroke was stored with this Gram, in the same transaction: stores the
-/// sums that it completes. Groups with more than one model version get none. The sum of the group under way
-/// is kept in memory, so that the stroke that completes it takes no longer than others; a group that another
-/// process began is read again.
+/// sums that it completes. Groups with more than one model version get none. The sums of the groups under way
+/// are kept in memory, so that the stroke that completes one takes no longer than others; a group that another
+/// process began is read again, by FetchRollups() or at its end.
 Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const std::uint8_t> gram);
+/// Reads what is stored of the groups to which the machine's next stroke, `next`, belongs, if it is not in memory.
+Status FetchRollups(Connection& connection, std::int64_t machine, std::int64_t next);
 
 /// Calls `visit` with every stored Gram of first <= sequence < last in order, until it returns an error. A
 /// torn or foreign blob is an error that names run and stroke.

@@ -58,7 +58,8 @@ TEST(GramSum, EqualsTheDirectSumForEveryKindOfRange) {
 
 TEST(GramSum, TheStoredSumsAreTheSameToTheLastBitHoweverTheStrokesCame) {
   const Folder folder;
-  const auto digest = [&](const std::string& file, const std::vector<int>& ends, bool reopened) {
+  const auto digest = [&](const std::string& file, const std::vector<int>& ends, bool reopened,
+                          bool fetched = false) {
     Press press(folder.File(file));
     const auto run = press.Begin("a.csv").id;
     int from = 0;
@@ -66,6 +67,7 @@ TEST(GramSum, TheStoredSumsAreTheSameToTheLastBitHoweverTheStrokesCame) {
       if (reopened) press.database = Value(Database::Open(folder.File(file)));
       // A refused batch leaves the group under way as it was.
       EXPECT_FALSE(press.database.StoreStrokes(run, MakeStrokes(to + 1, to + 2)).has_value());
+      if (fetched) EXPECT_OK(press.database.FetchPages(run));
       EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(from, to)));
       from = to;
     }
@@ -75,6 +77,7 @@ TEST(GramSum, TheStoredSumsAreTheSameToTheLastBitHoweverTheStrokesCame) {
   const auto whole = digest("whole.db", {150}, false);
   EXPECT_EQ(digest("pieces.db", {10, 63, 64, 100, 128, 150}, false), whole);
   EXPECT_EQ(digest("lives.db", {10, 63, 64, 100, 128, 150}, true), whole);
+  EXPECT_EQ(digest("fetched.db", {10, 63, 64, 100, 128, 150}, true, true), whole);
 }
 
 TEST(GramSum, TheSumsAreReallyUsed) {
@@ -87,6 +90,37 @@ TEST(GramSum, TheSumsAreReallyUsed) {
   }
   EXPECT_EQ(Value(press.database.SumGrams(press.machine, 0, 70)).spans, 3 * 70);
   EXPECT_THAT(press.database.SumGrams(press.machine, 0, 63).error().text, HasSubstr("Gram is missing"));
+}
+
+/// What a stroke would have to read if its group were not in memory.
+void Forget(const std::string& path, const char* rows) {
+  SQLite::Database(path, SQLite::OPEN_READWRITE).exec(std::string("DELETE FROM ") + rows);
+}
+
+TEST(GramSum, TheStrokeThatCompletesAGroupOfGroupsReadsNone) {
+  const Folder folder;
+  Press press(folder.File());
+  const auto run = press.Begin("a.csv").id;
+  EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(0, 4090)));
+  Forget(folder.File(), "gram_rollup");
+  EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(4090, 4100)));
+  ExpectEqual(Value(press.database.SumGrams(press.machine, 0, 4096)),
+              DirectSum(Value(press.database.Grams(press.machine, 0, 4096))));
+  EXPECT_EQ(StoredSums(folder.File(), 4096), 1);
+}
+
+TEST(GramSum, GroupsThatAnEarlierProcessBeganAreReadInAPause) {
+  const Folder folder;
+  Press press(folder.File());
+  const auto run = press.Begin("a.csv").id;
+  EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(0, 4090)));
+  press.database = Value(Database::Open(folder.File()));
+  EXPECT_OK(press.database.FetchPages(run));
+  Forget(folder.File(), "gram WHERE stroke >= 4032");
+  Forget(folder.File(), "gram_rollup");
+  EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(4090, 4100)));
+  EXPECT_EQ(StoredSums(folder.File(), 64), 1);
+  EXPECT_EQ(StoredSums(folder.File(), 4096), 1);
 }
 
 TEST(GramSum, GroupsReachAcrossRuns) {

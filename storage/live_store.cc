@@ -1,5 +1,6 @@
 #include "storage/connection.h"
 #include "storage/database.h"
+#include "storage/gram_rollup.h"
 #include "storage/schema.h"
 #include "storage/store_steps.h"
 
@@ -60,6 +61,7 @@ Status Database::FetchPages(std::int64_t run) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction one_snapshot(impl_->db);
     const auto row = TRY(impl_->FindRun(run));
+    TRY(FetchRollups(*impl_, row.machine, row.first_sequence + row.strokes));
     for (const char* newest :
          {"SELECT max(stroke) FROM stroke WHERE run = ?", "SELECT max(stroke) FROM estimate WHERE run = ?",
           "SELECT max(stroke) FROM gram WHERE run = ?", "SELECT max(first_s) FROM raw_chunk WHERE run = ?"})
