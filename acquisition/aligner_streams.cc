@@ -6,6 +6,7 @@
 
 #include "acquisition/aligner.h"
 #include "acquisition/aligner_axis.h"
+#include "core/contains.h"
 
 namespace hydroscope {
 namespace {
@@ -80,7 +81,7 @@ void Aligner::LeaveToSuccessor(const Stream& successor) {
 /// A fast sender goes. If it carried the grid, the next one does, and all are anchored anew.
 void Aligner::LeaveAxis(Part& part) {
   Axis& axis = *part.axis;
-  if (std::find(axis.parts.begin(), axis.parts.end(), &part) == axis.parts.end()) return;
+  if (!Contains(axis.parts, &part)) return;
   Emit(axis, axis.pending(), true);
   std::erase(axis.parts, &part);
   if (axis.master != &part) return;

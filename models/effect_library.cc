@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "models/effect.h"
 
 namespace hydroscope {
@@ -64,7 +65,7 @@ void AddSampleEffects(ModelStructure& model, const std::vector<std::string>& ids
   for (const auto& effect : model.sample_effects) {
     const auto same = [&](const auto& other) { return other->id == effect->id; };
     if (std::any_of(model.effects.begin(), model.effects.end(), same)) continue;
-    if (ids.empty() || std::find(ids.begin(), ids.end(), effect->id) != ids.end()) missing.push_back(effect);
+    if (ids.empty() || Contains(ids, effect->id)) missing.push_back(effect);
   }
   AddLibrary(std::move(missing), model);
 }

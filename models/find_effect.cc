@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/effect.h"
@@ -34,7 +35,7 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
   for (const auto& effect : model.effects) ids.push_back(effect->id);
   const bool built_in = model.kind != nullptr && model.kind->effects != nullptr;
   for (const auto& effect : built_in ? model.kind->effects({}) : model.sample_effects) {
-    if (std::find(ids.begin(), ids.end(), effect->id) == ids.end()) ids.push_back(effect->id);
+    if (!Contains(ids, effect->id)) ids.push_back(effect->id);
     if (effect->id != id) continue;
     std::vector<std::string> missing;
     for (int channel : effect->channels)

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "core/contains.h"
 #include "core/limits.h"
 #include "core/told_error.h"
 #include "core/units.h"
@@ -159,8 +160,7 @@ class Builder {
       Replaced(Parsed(text, machine()), [&](const ExpressionNode& node) -> Expression {
         if (!IsDelay(node)) return nullptr;
         const DelayedInput delay = DelayOf(node, effect);
-        if (std::find(model_.delays.begin(), model_.delays.end(), delay) == model_.delays.end())
-          model_.delays.push_back(delay);
+        if (!Contains(model_.delays, delay)) model_.delays.push_back(delay);
         return nullptr;
       });
     });

@@ -1,7 +1,6 @@
 #include "monitor/promoted_model.h"
 
-#include <algorithm>
-
+#include "core/contains.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/promotion.h"
 
@@ -33,7 +32,7 @@ Result<std::vector<Machine>> StoredAxes(const std::string& path, const Machine& 
   std::vector<Machine> axes;
   for (int axis = 0; axis < AxisCount(machine); ++axis) {
     const std::string name = AxisMachineName(machine, axis);
-    if (std::ranges::find(names, name) == names.end()) continue;
+    if (!Contains(names, name)) continue;
     const auto id = TRY(database.MachineId(name));
     auto promoted = TRY(PromotedFor(database, path, id, machine, ""));
     axes.push_back(MachineOfAxis(promoted ? promoted->machine : machine, axis));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "storage/outbox.h"
 #include "storage/set_aside.h"
 
@@ -16,7 +17,7 @@ Result<bool> IsAhead(const AlarmJournal& journal, Database& database) {
     const auto axis = TRY(journal.Axis(machine));
     if (axis.monitor.next_stroke == 0) continue;
     std::int64_t end = 0;
-    if (std::ranges::find(known, machine) != known.end()) {
+    if (Contains(known, machine)) {
       const auto id = database.MachineId(machine);
       end = TRY(id ? database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error())));
     }

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "models/state_effects.h"
 
@@ -48,7 +48,7 @@ void AddSignals(const Machine& machine, ModelStructure& model) {
     for (const std::string& name : NamesIn(*checked->tree)) {
       const int signal = machine.SignalIndex(name);
       const auto& names = model.channel_names;
-      if (signal < 0 || std::find(names.begin(), names.end(), name) != names.end()) continue;
+      if (signal < 0 || Contains(names, name)) continue;
       model.channel_source.resize(names.size(), kDerivedChannel);
       model.channel_names.push_back(name);
       model.channel_source.push_back(signal);

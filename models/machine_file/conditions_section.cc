@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "core/contains.h"
 #include "core/limits.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_file/sections.h"
@@ -54,7 +53,7 @@ void ReadConditions(TableReader& file, Machine& machine) {
     section.Text(entry.key, text);
     ReadForm(text, condition);
     const int signal = machine.SignalIndex(condition.signal);
-    if (std::find(taken.begin(), taken.end(), entry.key) != taken.end())
+    if (Contains(taken, entry.key))
       section.Problem(entry.where,
                       fmt::format("{} is a condition of every such machine; take another name", entry.key));
     if (signal < 0) {

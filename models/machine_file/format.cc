@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/contains.h"
 #include "core/units.h"
 #include "models/closed_loop.h"
 #include "models/machine_file/section_text.h"
@@ -312,8 +313,7 @@ std::string ParametersSection(const std::vector<ParameterSpec>& parameters, cons
 std::vector<ParameterSpec> OtherThanBuiltIn(const Machine& machine) {
   const std::vector<ParameterSpec> known = BuiltInStates(machine).parameters;
   std::vector<ParameterSpec> other = machine.states.parameters;
-  std::erase_if(
-      other, [&](const ParameterSpec& p) { return std::find(known.begin(), known.end(), p) != known.end(); });
+  std::erase_if(other, [&](const ParameterSpec& p) { return Contains(known, p); });
   return other;
 }
 

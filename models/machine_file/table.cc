@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/contains.h"
 #include "core/units.h"
 #include "models/machine_file/keys.h"
 
@@ -102,7 +103,7 @@ std::vector<TableReader::Entry> TableReader::Entries() const {
 
 void TableReader::AllowOnly(const std::vector<std::string>& known) {
   for (const Entry& entry : Entries()) {
-    if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+    if (Contains(known, entry.key)) continue;
     Problem(entry.where, fmt::format("unknown {} \"{}\"; {}known here: {}", path_.empty() ? "section" : "key",
                                      entry.key, DidYouMean(entry.key, known).english, Listed(known)));
   }

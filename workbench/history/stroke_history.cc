@@ -8,6 +8,7 @@
 #include <ctime>
 #include <optional>
 
+#include "core/contains.h"
 #include "core/finite_number.h"
 #include "core/told_error.h"
 #include "core/units.h"
@@ -236,7 +237,7 @@ Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::s
              path, path));
   std::vector<HistoryPart> parts;
   for (const std::string& name : names.empty() ? known : names) {
-    if (std::ranges::find(known, name) == known.end()) {
+    if (!Contains(known, name)) {
       const std::string nearest = Nearest(name, known);
       return BadInput(
           Tell("{} has no machine \"{}\"; it holds: {}{}", "{} hat keine Maschine „{}“; darin: {}{}", path,
