@@ -26,7 +26,8 @@ done
 
 # Some packages of nodejs bring npm along and conflict with the one of its own.
 command -v npm >/dev/null || packages+=(npm)
-command -v chromium >/dev/null || packages+=(chromium fonts-dejavu-core)  # in which the page is tested
+# In which the page is tested: Chromium without windows, or the whole.
+command -v chromium-headless-shell chromium >/dev/null || packages+=(chromium-headless-shell fonts-dejavu-core)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -142,6 +142,7 @@ test("columns that say nothing are put right by hand: what was guessed of others
   }
   const widest = async (signal) => Math.max(...(await row(signal).locator(".says").innerText()).match(/-?[\d.]+/g).map(Number));
   await until(page, `/0\\.\\d+ … 0\\.\\d+/.test(document.querySelector("#pin-y_v").closest(".pin").querySelector(".says").textContent)`);
+  await until(page, `/\\d … -?\\d/.test(document.querySelector("#pin-U_v").closest(".pin").querySelector(".says").textContent)`);
   assert.ok(await widest("y_v") < 1.2, await row("y_v").innerText());
   assert.ok(await widest("U_v") < 12, await row("U_v").innerText());
   assert.match(await row("y_v").innerText(), /put here by hand; values [^]*taken as volts/);
