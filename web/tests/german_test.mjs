@@ -18,7 +18,7 @@ before(async () => {
   await startBrowser();
   run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
   run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
-  run(["simulate", "pump", "--out", "pump.csv"], place.path);
+  run(["simulate", "pump", "--out", "pump.csv", "--seconds", "3"], place.path);
   run(["simulate", "valve", "--out", "new.csv"], place.path);
   run(["simulate", "valve", "--out", "worn.csv", "--f0", "170", "--frequencies", "20,40,60,80,100", "--seed", "2"], place.path);  // far below the corner: a warning
 });

@@ -281,7 +281,7 @@ test("units are those that the reader chose, everywhere, and are remembered", as
 });
 
 test("a model with states is drawn running by itself, each output beside its measurement", async (t) => {
-  run(["simulate", "pump", "--out", "pump.csv"], place.path);
+  run(["simulate", "pump", "--out", "pump.csv", "--seconds", "3"], place.path);
   const { page, address } = await visit(t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
