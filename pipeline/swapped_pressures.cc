@@ -66,7 +66,8 @@ Told SwappedPressures::Sentence(const Pair& pair) const {
     return Tell("{} (column {})", "{} (Spalte {})", spec.name, spec.column);
   };
   if (pair.rule->driven_by.empty()) {
-    const double share = static_cast<double>(pair.above) / static_cast<double>(std::max<std::int64_t>(1, pair.rows));
+    const double share =
+        static_cast<double>(pair.above) / static_cast<double>(std::max<std::int64_t>(1, pair.rows));
     if (pair.rows < kRowsToJudge || share < kNearlyAlways) return {};
     return Tell(
         "{0} stands above {1} in {2:.0f} % of the rows, which it does for moments at most: are the two columns swapped in the "

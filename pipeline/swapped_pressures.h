@@ -29,8 +29,8 @@ class SwappedPressures {
   struct Pair {
     const PressureRule* rule = nullptr;
     std::size_t lower = 0, higher = 0, driven_by = 0;
-    std::int64_t rows = 0, above = 0;            ///< of these rows `lower` stands above `higher`
-    std::array<Mean, 2> of_lower, of_higher;     ///< Pa, as oil leaves the chamber, and as it enters
+    std::int64_t rows = 0, above = 0;         ///< of these rows `lower` stands above `higher`
+    std::array<Mean, 2> of_lower, of_higher;  ///< Pa, as oil leaves the chamber, and as it enters
   };
   static void Count(double lower, double higher, Pair& pair);
   static void Count(double lower, double higher, double drive, Pair& pair);
