@@ -17,7 +17,7 @@ std::optional<std::pair<std::string, std::string>> Doubts::Relatives(
     const std::vector<std::vector<std::string>>& groups) const {
   if (groups.size() != 2) return std::nullopt;
   const auto is_or_is_twin = [&](const std::string& id, const std::string& a) {
-    return id == a || ShareOfTwins(strokes_.model(), id, a);
+    return id == a || FindTwin(strokes_.model(), id, a) != nullptr;
   };
   const auto confused = [&](const std::string& a, const std::string& b) {
     return std::any_of(strokes_.model().effects.begin(), strokes_.model().effects.end(), [&](const auto& e) {

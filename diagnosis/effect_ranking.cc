@@ -101,12 +101,12 @@ std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view i
   return twins;
 }
 
-std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view a, std::string_view b) {
+const Effect::Twin* FindTwin(const ModelStructure& model, std::string_view a, std::string_view b) {
   for (const auto* effects : {&model.effects, &model.sample_effects})
     for (const auto& effect : *effects)
       for (const Effect::Twin& twin : effect->twins)
-        if ((effect->id == a && twin.id == b) || (effect->id == b && twin.id == a)) return twin.share;
-  return std::nullopt;
+        if ((effect->id == a && twin.id == b) || (effect->id == b && twin.id == a)) return &twin;
+  return nullptr;
 }
 
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
@@ -166,14 +166,15 @@ bool EffectRanking::IsRefuted(const EffectEstimate& e) const {
 
 bool EffectRanking::IsTwin(const Contender& candidate, const Contender& best) const {
   const auto& effects = strokes_.model().effects;
-  const auto share = ShareOfTwins(strokes_.model(), effects[candidate.effect]->id, effects[best.effect]->id);
-  if (!share) return false;
+  const Effect::Twin* const twin =
+      FindTwin(strokes_.model(), effects[candidate.effect]->id, effects[best.effect]->id);
+  if (twin == nullptr) return false;
   // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it, and an
   // effect that leaves less than the noise owes it part of its gain.
   const double excess = candidate.fit->excess_ratio, least = best.fit->excess_ratio;
   const bool as_good = least < -options_.floor_error && excess < options_.floor_error;
-  return (as_good || candidate.gain > *share * best.gain - options_.sure_gain) &&
-         excess < std::max(least, 0.0) + options_.twin_excess;
+  return as_good ||
+         (candidate.gain > twin->share * best.gain - options_.sure_gain && excess < least + twin->excess);
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {

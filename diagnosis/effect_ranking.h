@@ -21,8 +21,8 @@ CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::strin
 
 /// Effects of a library that strokes can hardly tell from this one (Effect::twins, of either).
 std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view id);
-/// Effect::Twin::share of two effects, nothing if they are none.
-std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view a, std::string_view b);
+/// What two effects are to one another, nullptr if they are no twins.
+const Effect::Twin* FindTwin(const ModelStructure& model, std::string_view a, std::string_view b);
 
 /// Whether one of two effects is told to be easily taken for the other (Effect::confused_with, of either).
 bool AreConfused(const Effect& a, const Effect& b);

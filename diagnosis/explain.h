@@ -29,9 +29,6 @@ struct MeasuredSize {
   double size = 0, std = 0;
 };
 
-/// ExplainOptions::twin_excess.
-inline constexpr double kTwinExcess = 0.2;
-
 /// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
 struct ExplainOptions {
   double min_gain = 40.0;  ///< held-out error energy an effect must remove, in units of the noise variance
@@ -70,10 +67,7 @@ struct ExplainOptions {
   /// Ids of effects that are part of the model already; each in its best shape.
   std::vector<std::string> start;
   std::map<std::string, Told> untestable;  ///< ids that these strokes cannot test, and why
-  /// A twin (Effect::twins) leaves the set once it leaves so much more of the noise energy than the best does. Columns of late
-  /// and of filtered signals err by less: `hydroscope benchmark late-signals` prints by how much.
-  double twin_excess = kTwinExcess;
-  std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
+  std::vector<std::string> exclude;        ///< ids left out of the library, for tests of what is not known
   /// Sizes of effects known from a test off the log (Effect::measured_by).
   std::map<std::string, MeasuredSize> measured;
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no

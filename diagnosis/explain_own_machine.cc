@@ -44,9 +44,11 @@ class OwnMachineExplainer {
     if (!out.base.solved) return out;
     const SubsetResult found = SearchSubsets(strokes_, start_, Candidates(), Options());
     const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
-    const std::vector<RankedEffect> laws = at_floor ? std::vector<RankedEffect>{} : GeneralLaws(out.ranking);
-    ProposeLaws(laws, out);
-    if (found.best.choices.size() == start_.choices.size()) {
+    const bool nothing_found = found.best.choices.size() == start_.choices.size();
+    const std::vector<RankedEffect> laws =
+        at_floor && nothing_found ? std::vector<RankedEffect>{} : GeneralLaws(out.ranking);
+    if (!at_floor) ProposeLaws(laws, out);
+    if (nothing_found) {
       out.verdict = at_floor ? Verdict::kAdequate : Verdict::kUnknown;
       return out;
     }
@@ -132,7 +134,8 @@ class OwnMachineExplainer {
     if (without_name.empty()) return;
     const Eigen::VectorXd worse = Worse(out.final, found.best.fit);
     const double unit = found.best.fit.noise_variance * (1 + std::max(0.0, found.best.fit.excess_ratio));
-    if (worse.size() == 0 || worse.sum() < options.rival_gain * unit) return;
+    const bool fewer = found.best.choices.size() < out.chosen.size();
+    if (worse.size() == 0 || (worse.sum() < options.rival_gain * unit && !fewer)) return;
     out.partial = true;
     out.margin_law = fmt::to_string(fmt::join(without_name, ", "));
     out.doubt = Tell("what goes with {} explains the error better, and no effect of the machine file does",

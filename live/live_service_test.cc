@@ -12,6 +12,7 @@
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "workbench/explain/explain_history.h"
+#include "workbench/history/kept_noise.h"
 #include "workbench/model/model_edit.h"
 
 namespace hydroscope {
@@ -63,6 +64,9 @@ TEST_F(LiveServiceTest, StoredStrokesAreExplainedWithTheNoiseOfTheRowsThatAreKep
   const auto history = LoadHistory(*database, options_.database, *parts, *machine);
   ASSERT_TRUE(history) << history.error().text;
   EXPECT_GT(history->noise_scale, 1.5);
+  const std::int64_t worked_out = NoiseOfKeptRowsWorkedOut();
+  EXPECT_EQ(LoadHistory(*database, options_.database, *parts, *machine)->noise_scale, history->noise_scale);
+  EXPECT_EQ(NoiseOfKeptRowsWorkedOut(), worked_out) << "while the strokes are the same";
   const auto result = ExplainHistory(*history);
   ASSERT_TRUE(result) << result.error().text;
   EXPECT_THAT(result->explanation.set, Contains("external_leakage"));

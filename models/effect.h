@@ -65,9 +65,10 @@ struct Effect {
   /// An effect that is the same to first order: what tells the two apart is as small as the errors of their columns.
   struct Twin {
     std::string id;
-    double share = 0.9;  ///< stays beside the better one while it gains this share of what that does
+    double share = 0.9;  ///< stays beside the better one while it gains this share of what that does ...
     /// Share of its gain that the law needs its twin to reach: of one that only smooths noise the twin explains nothing.
     double least = 0;
+    double excess = 0.2;  ///< ... and leaves no more of the noise energy beyond what that leaves
   };
   std::vector<Twin> twins;  ///< told by one of the two
   /// Of a signal that is late: up to so many rows it may be how the signal moves between two rows, unseen.

@@ -18,6 +18,7 @@
 #include "models/machine_picture.h"
 #include "models/machine_words.h"
 #include "models/oil_law.h"
+#include "models/pressure_rule.h"
 #include "models/standstill_rule.h"
 
 namespace hydroscope {
@@ -80,6 +81,7 @@ struct MachineKind {
   std::string_view supply = "";                ///< signal of the supply pressure, Pa; "" = none
   std::span<const Condition> conditions = {};  ///< of its strokes
   std::span<const StandstillRule> standstill = {};
+  std::span<const PressureRule> pressures = {};
   DraftRules draft = {};
   /// nullptr: command and response only, nothing can be identified from strokes.
   Result<std::shared_ptr<ModelStructure>> (*build)(const Machine&) = nullptr;

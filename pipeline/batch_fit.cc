@@ -143,6 +143,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   for (const ReadingFaults::Echo& echo : out.echoes = pass.echoes)
     out.notes.push_back(log + ": " + echo.Sentence().english);
+  for (const Told& swapped : out.swapped = pass.swapped) out.notes.push_back(log + ": " + swapped.english);
   return out;
 }
 
@@ -162,6 +163,7 @@ void Append(LogStrokes next, LogStrokes& all) {
   Add(next.totals, all.totals);
   all.notes.insert(all.notes.end(), next.notes.begin(), next.notes.end());
   all.echoes.insert(all.echoes.end(), next.echoes.begin(), next.echoes.end());
+  all.swapped.insert(all.swapped.end(), next.swapped.begin(), next.swapped.end());
   all.discarded_strokes += next.discarded_strokes;
   all.reader.rows += next.reader.rows;
   all.reader.rejected_rows += next.reader.rejected_rows;

@@ -6,6 +6,7 @@
 #include "acquisition/repeated_rows.h"
 #include "acquisition/straight_runs.h"
 #include "host/output.h"
+#include "pipeline/swapped_pressures.h"
 
 namespace hydroscope {
 namespace {
@@ -60,8 +61,10 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
     straight.emplace(machine.signals.size());
   }
   ReadingFaults faults(machine, reader.SamplePeriod());
+  SwappedPressures swapped(machine);
   const auto pass_on = [&](const SampleBlock& block) {
     faults.Observe(block, monitor.channels());
+    swapped.Observe(block);
     return PassBlock(block, pipeline, hooks);
   };
   ProgressBar progress(what, "rows");
@@ -92,6 +95,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   if (repeated) pass.copied_rows = repeated->copies();
   pass.no_verdict = faults.NoVerdict();
   pass.echoes = faults.Echoes();
+  pass.swapped = swapped.Sentences();
   return pass;
 }
 

@@ -19,6 +19,7 @@ struct LogPass {
   std::int64_t copied_rows = 0;          ///< flagged as repeating earlier ones (acquisition/repeated_rows.h)
   Told no_verdict;                       ///< ReadingFaults::NoVerdict
   std::vector<ReadingFaults::Echo> echoes;
+  std::vector<Told> swapped;  ///< SwappedPressures::Sentences
 };
 
 struct LogPassHooks {

@@ -120,7 +120,20 @@ TEST(LogPass, PositionsThatAreSetAnewOnceOrHeldByTheLoggerOrOffInSingleRowsAreJu
     const LogPass pass = PassOf(change);
     EXPECT_EQ(pass.no_verdict.english, "");
     EXPECT_TRUE(pass.echoes.empty());
+    EXPECT_TRUE(pass.swapped.empty());
   }
+}
+
+TEST(LogPass, PressuresInOneAnothersPlaceAreTold) {
+  const auto told_of = [](std::vector<double> SimulatedLog::*one, std::vector<double> SimulatedLog::*other) {
+    return PassOf([&](SimulatedLog& log) { std::swap(log.*one, log.*other); }).swapped;
+  };
+  EXPECT_THAT(told_of(&SimulatedLog::p_B, &SimulatedLog::p_0),
+              testing::ElementsAre(testing::Field(
+                  &Told::english, testing::MatchesRegex("p_B .* stands above p_0 .* swapped .*"))));
+  EXPECT_THAT(told_of(&SimulatedLog::p_A, &SimulatedLog::p_B),
+              testing::ElementsAre(testing::Field(
+                  &Told::english, testing::MatchesRegex("p_A .* while oil is pressed out .* swapped .*"))));
 }
 
 TEST(LogPass, ASpoolThatRepeatsItsCommandIsNotMeasured) {

@@ -232,6 +232,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary.impossible = pass.no_verdict.english;
   for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
+  for (const Told& swapped : pass.swapped) replay.summary.warnings.push_back(swapped.english);
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(
         fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,

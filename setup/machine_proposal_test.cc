@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -239,6 +240,19 @@ TEST(MachineProposal, TurnsSignalsThatRunTheOtherWayRound) {
   EXPECT_EQ(m.signals[m.SignalIndex("y_v")].scale, -1);
   EXPECT_THAT(InEnglish(proposal.decided), Contains(HasSubstr("z rises while the pressure is high")));
   ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, SaysWhenAChamberStandsAboveItsSupply) {
+  const auto says_so = [](const char* header) {
+    const MachineProposal proposal = Propose(PressLog(header, [](const PressRow& r) {
+      return fmt::format("{:.3f},{:.0f},{:.0f},{:.0f},{:.5f},{:.4f}", r.t, r.p_A, r.p_B, r.p_0, r.z, r.y_v);
+    }));
+    return std::ranges::any_of(proposal.decided, [](const Told& line) {
+      return line.english.starts_with("p_B stands above p_0 all the time");
+    });
+  };
+  EXPECT_TRUE(says_so("t,p_A,p_0,p_B,z,y_v\n"));
+  EXPECT_FALSE(says_so("t,p_A,p_B,p_0,z,y_v\n"));
 }
 
 TEST(MachineProposal, MarksThePistonAreaAsToBeFilledIn) {

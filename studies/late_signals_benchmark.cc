@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/contains.h"
+#include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain.h"
 #include "host/output.h"
 #include "simulator/die_cushion/press.h"
@@ -59,12 +60,14 @@ struct LateTally {
   double truth_leaves = 0,
          twin_leaves = 0;  ///< most of the noise energy that the one leaves more than the other
   double twin_gains = 1;   ///< least of what the truth gains that the twin does
+  double given_up = 0;     ///< Effect::Twin::excess
 };
 
 void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
   const auto has = [&](const std::string& id) { return Contains(x.set, id); };
   const bool truth = has(c.truth), twin = has(c.twin);
   ++t.logs;
+  if (const Effect::Twin* const pair = FindTwin(*x.model, c.truth, c.twin)) t.given_up = pair->excess;
   t.alone += truth && !twin;
   t.both += truth && twin;
   t.wrong += twin && !truth;
@@ -95,18 +98,18 @@ int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
     progress.Update((i + 1.0) / cases, i + 1);
   }
   std::cout << fmt::format("{} logs with one signal late or filtered, seed {}\n\n", cases, seed)
-            << fmt::format("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14}{:>14}{:>14}\n", "", "logs", "alone", "both",
-                           "wrong", "open", "truth leaves", "twin leaves", "twin gains");
+            << fmt::format("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14}{:>14}{:>14}{:>14}\n", "", "logs", "alone",
+                           "both", "wrong", "open", "truth leaves", "twin leaves", "given up from",
+                           "twin gains");
   int wrong = 0;
   for (std::size_t s = 0; s < tallies.size(); ++s) {
     const LateTally& t = tallies[s];
-    fmt::print("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs, t.alone,
-               t.both, t.wrong, t.open, t.truth_leaves, t.twin_leaves, t.twin_gains);
+    fmt::print("{:<18}{:>6}{:>8}{:>8}{:>8}{:>8}{:>14.3f}{:>14.3f}{:>14.3f}{:>14.3f}\n", kSignals[s], t.logs,
+               t.alone, t.both, t.wrong, t.open, t.truth_leaves, t.twin_leaves, t.given_up, t.twin_gains);
     wrong += t.wrong;
   }
   std::cout
-      << "\nleaves: most of the noise energy that it leaves more than the other; a twin is given up from "
-      << fmt::format("{:.2f} on\n", kTwinExcess)
+      << "\nleaves: most of the noise energy that it leaves more than the other; a twin that leaves so much more is given up\n"
       << "gains: least of what the truth gains that the twin does\n";
   return wrong == 0 ? 0 : 1;
 }

@@ -155,6 +155,7 @@ void JudgeDrawn(const CheckResult& check, std::vector<Told>& hints) {
 void JudgeFaults(const LogPass& pass, std::vector<Told>& hints) {
   if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
   for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
+  hints.insert(hints.end(), pass.swapped.begin(), pass.swapped.end());
 }
 
 /// Without strokes, a signal that is hardly ever good explains more than the gate.

@@ -80,7 +80,7 @@ class OpenQuestion {
     told_.emplace_back();
     for (std::size_t p = 0; p < most.size(); ++p)
       told_.back().push_back(most[p] >=
-                             (rivals_.pairs()[p].twins ? kExperiment.settled : kExperiment.worthwhile));
+                             (rivals_.pairs()[p].apart > 0 ? kExperiment.settled : kExperiment.worthwhile));
   }
   /// Pairs of rivals that strokes of candidate number `candidate` tell apart.
   int Told(std::size_t candidate) const {

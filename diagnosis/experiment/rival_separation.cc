@@ -128,19 +128,21 @@ Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
   if (fitted_.size() < 2) return;
   for (std::size_t a = 0; a < fitted_.size(); ++a)
     for (std::size_t b = 0; b < unit_.size(); ++b)
-      if (a != b)
-        pairs_.push_back(
-            {a, b, ShareOfTwins(*model.structure, ids_[a], ids_[b]).value_or(1) < 1, b >= fitted_.size()});
+      if (a != b) {
+        const Effect::Twin* const twin = FindTwin(*model.structure, ids_[a], ids_[b]);
+        const bool weaker = twin != nullptr && twin->share < 1;
+        pairs_.push_back({a, b, weaker ? kExperiment.twins_apart * twin->excess : 0.0, b >= fitted_.size()});
+      }
 }
 
 std::vector<double> Rivals::Separations(const RivalEvidence& evidence) const {
-  const double apart = kExperiment.twins_apart * evidence.equations;
   std::vector<double> out;
   for (const Pair& pair : pairs_) {
     const double energy = Separation(evidence.total, fitted_[pair.a], known_, unit_[pair.b]) *
                           evidence.equations / evidence.noise;
-    const double weight = pair.twins ? kExperiment.settled / std::max(apart, kExperiment.settled)
-                                     : (pair.watched ? kExperiment.watched_weight : 1);
+    const double apart = pair.apart * evidence.equations;
+    const double weight = pair.apart > 0 ? kExperiment.settled / std::max(apart, kExperiment.settled)
+                                         : (pair.watched ? kExperiment.watched_weight : 1);
     out.push_back(energy * weight);
   }
   return out;

@@ -13,11 +13,11 @@ namespace hydroscope {
 /// Thresholds of proposed experiments, calibrated by `hydroscope benchmark hidden-effects --experiments`: energies are
 /// between two rivals, in noise variances of an equation.
 struct ExperimentOptions {
-  double settled = 300.0;    ///< settles a case
-  double worthwhile = 60.0;  ///< makes the longest series worth asking for: ExplainOptions::sure_gain
-  double twins_apart = 1.25 * kTwinExcess;  ///< noise energy by which strokes must tell twins apart
-  int fewest_strokes = 24;                  ///< fewer give no interval worth the name
-  double watched = 0.5;  ///< share of the best effect's gain from which others must stay apart too ...
+  double settled = 300.0;     ///< settles a case
+  double worthwhile = 60.0;   ///< makes the longest series worth asking for: ExplainOptions::sure_gain
+  double twins_apart = 1.25;  ///< times Effect::Twin::excess: noise energy by which twins must be apart
+  int fewest_strokes = 24;    ///< fewer give no interval worth the name
+  double watched = 0.5;       ///< share of the best effect's gain from which others must stay apart too ...
   /// ... of which the separation counts so many times, since they lag behind already.
   double watched_weight = 2.0;
 };
@@ -61,7 +61,7 @@ class Rivals {
   /// Two of the effects: rivals, or a rival and a watched effect.
   struct Pair {
     std::size_t a = 0, b = 0;  ///< among the rivals, and the watched effects after them
-    bool twins = false;        ///< Effect::twins, of which one stays with less than the other gains
+    double apart = 0;          ///< noise energy by which strokes must tell twins apart; 0: they are none
     bool watched = false;      ///< b is a watched effect
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
@@ -70,8 +70,7 @@ class Rivals {
 
   /// Energy between the effects of each pair, in noise variances of an equation: the part of one, at its fitted size, that
   /// neither the known nor the other, at whatever sizes, can take over. That of a rival and a watched effect counts twice.
-  /// Twins must be apart by kExperiment.twins_apart of the noise energy, whatever the number of
-  /// strokes; where they are, theirs is kExperiment.settled.
+  /// Twins must be apart by Pair::apart of the noise energy, whatever the number of strokes; where they are, theirs is kExperiment.settled.
   std::vector<double> Separations(const RivalEvidence& evidence) const;
   /// The smallest of them; 0 where the recorded strokes cannot size two rivals.
   double Nearest(const RivalEvidence& evidence) const;

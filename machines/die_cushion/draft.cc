@@ -14,6 +14,7 @@ namespace {
 constexpr double kMoving = 0.008;  ///< m/s
 constexpr double kLag = 0.05;      ///< s over which the speed is taken
 constexpr int kRowsToDecide = 50;
+constexpr double kNearlyAlways = 0.95;  ///< of the rows
 
 /// What happens while the pressure is in its upper half and the cushion moves.
 struct Strokes {
@@ -88,6 +89,22 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
   }
 }
 
+/// Names of columns are taken at their word, but no chamber stands above its supply all the time.
+void CheckSupply(const LogSample& log, MachineDraft& draft) {
+  const auto chamber = log.signals.find("p_B"), supply = log.signals.find("p_0");
+  if (chamber == log.signals.end() || supply == log.signals.end()) return;
+  const std::vector<double>&b = chamber->second.value, &p = supply->second.value;
+  int rows = 0, above = 0;
+  for (std::size_t i = 0; i < std::min(b.size(), p.size()); ++i) {
+    rows += std::isfinite(b[i]) && std::isfinite(p[i]);
+    above += b[i] > p[i];
+  }
+  if (rows < kRowsToDecide || above < kNearlyAlways * rows) return;
+  draft.decided.emplace_back(
+      "p_B stands above p_0 all the time, which no chamber does: look whether the two columns are swapped",
+      "p_B liegt die ganze Zeit über p_0, was keine Kammer tut: nachsehen, ob die beiden Spalten vertauscht sind");
+}
+
 Told Suits(const LogSample& log) {
   for (const char* needed : {"p_A", "z", "y_v"})
     if (!log.signals.contains(needed)) return {};
@@ -100,6 +117,7 @@ void Complete(const LogSample& log, const std::map<std::string, double>& known, 
     TurnSignals(log, draft);
     machine.gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
   }
+  CheckSupply(log, draft);
   machine.geometry["dp_nom"] = {35e5, 0};
   machine.geometry["p_t"] = {0, 0};
   draft.decided.emplace_back(

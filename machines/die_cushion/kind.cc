@@ -127,6 +127,12 @@ const std::array<StandstillRule, 2> kCushionStandstill = {{
                    {"z", true, kGoes, {}}}},
 }};
 
+// Both chambers are filled from the supply, and in a stroke the ram presses the oil out of chamber A.
+const std::array<PressureRule, 2> kCushionPressures = {{
+    {.lower = "p_B", .higher = "p_0"},
+    {.lower = "p_B", .higher = "p_A", .driven_by = "y_v", .open = kOpen},
+}};
+
 MachineWords CushionWords(const Machine&) {
   return {.output = {"flow", "Durchfluss"},
           .stroke = {"drawing stroke", "Ziehhub"},
@@ -153,6 +159,7 @@ const MachineKind kDieCushion = {.id = "die_cushion",
                                  .supply = "p_0",
                                  .conditions = kCushionConditions,
                                  .standstill = kCushionStandstill,
+                                 .pressures = kCushionPressures,
                                  .draft = kCushionDraft,
                                  .build = BuildDieCushion,
                                  .effects = CushionEffects,

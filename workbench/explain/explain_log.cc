@@ -126,6 +126,12 @@ void DoubtForEcho(const LogStrokes& log, Explanation& x) {
   x.doubt = log.echoes.front().Sentence();
 }
 
+void DoubtForSwap(const LogStrokes& log, Explanation& x) {
+  if (x.set.empty() || log.swapped.empty()) return;
+  x.partial = true;
+  x.doubt = log.swapped.front();
+}
+
 }  // namespace
 
 Told TooFewForVerdict(std::size_t strokes, const CountedWords& counted) {
@@ -207,6 +213,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   DoubtForStorage(floor, out.explanation);
   DoubtForResolution(floor, out.explanation);
   DoubtForEcho(log, out.explanation);
+  DoubtForSwap(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.

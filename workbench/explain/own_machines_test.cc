@@ -101,6 +101,21 @@ TEST(OwnMachines, ASmallLawThatTheFileLacksIsToldBesideTheNamedOne) {
   EXPECT_FALSE(said());
 }
 
+/// The model as it is may pass for the noise, and a name would explain what little is left.
+TEST(OwnMachines, NoNameIsProvenOfASmallErrorThatALawOfNoFileExplainsBetter) {
+  for (const auto& [law, size] : {std::pair("spring", 0.08), std::pair("pressure_viscous", 0.04)}) {
+    Machine machine = OwnMachine();
+    std::erase_if(machine.user_effects, [&](const auto& effect) { return effect.id == law; });
+    const auto result =
+        ExplainStrokes(OwnMachineStrokes({.hidden = {law}, .size = size, .noise = 0.3, .seed = 4}, machine));
+    ASSERT_TRUE(result);
+    const Explanation& x = result->explanation;
+    EXPECT_LT(x.base.excess_ratio, ExplainOptions().floor_excess) << law;
+    EXPECT_TRUE(x.verdict == Verdict::kUnknown || x.partial) << law;
+    EXPECT_THAT(x.doubt.english, HasSubstr("explains the error better")) << law;
+  }
+}
+
 /// Stored sums have no columns of laws of general shape.
 TEST(OwnMachines, StoredStrokesThatNoEffectExplainsSayThatALogTellsMore) {
   Machine machine = OwnMachine();

@@ -257,6 +257,15 @@ TEST(PlantEffects, AFilterThatIsNotThereLeavesTheDelay) {
   EXPECT_THAT(ExplainStrokes(strokes, explain)->explanation.set, ElementsAre("position_signal_delay"));
 }
 
+/// What a late spool and a filtered one explain has no rates, so that their noise is known.
+TEST(PlantEffects, ASpoolThatIsLateByMuchIsNotTakenForAFilteredOne) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.effects = {{"spool_signal_delay", 0.01, {}}};
+  const LogStrokes strokes = *StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  EXPECT_THAT(ExplainStrokes(strokes)->explanation.set, ElementsAre("spool_signal_delay"));
+}
+
 TEST(PlantEffects, ARelativeOfALawIsNamedByItsFamilyAndPlace) {
   PressOptions options;
   options.seconds = kSeconds;

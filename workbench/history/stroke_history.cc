@@ -14,12 +14,10 @@
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
-#include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
-#include "pipeline/raw_log.h"
 #include "pipeline/run_summary.h"
 #include "replay/resampled_reader.h"
-#include "workbench/explain/explain_log.h"
+#include "workbench/history/kept_noise.h"
 
 namespace hydroscope {
 namespace {
@@ -27,7 +25,6 @@ namespace {
 constexpr std::int64_t kUnits = 128;                ///< units aimed at where strokes are grouped
 constexpr std::int64_t kSmall = 64, kLarge = 4096;  ///< groups whose sums the database keeps
 constexpr std::int64_t kSample = 256;               ///< summaries read at most
-constexpr std::int64_t kStrokesOfKeptRows = 40;     ///< newest ones that tell what noise is like
 
 /// Strokes per unit, a size whose sums are stored or quickly added.
 std::int64_t UnitSize(std::int64_t strokes, std::int64_t most_single) {
@@ -65,21 +62,6 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
     history.units.push_back(std::move(sum));
   }
   return {};
-}
-
-/// Noise of a live service's strokes, which no end of a log ever judged: by those of them whose rows are kept.
-std::optional<NoiseScales> NoiseOfKeptRows(const Database& database, const std::string& path,
-                                           const RunInfo& run, std::int64_t machine_id,
-                                           const Machine& machine) {
-  const auto strokes = database.SummariesOf(
-      machine_id, run.first_sequence + std::max<std::int64_t>(0, run.strokes - kStrokesOfKeptRows),
-      run.first_sequence + run.strokes, kStrokesOfKeptRows);
-  if (!strokes || strokes->empty() || InEpisodes(KindOf(machine))) return {};
-  auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
-  if (!rows) return {};
-  const auto kept = FirstStrokesOf(**rows, machine);
-  if (!kept) return {};
-  return NoiseScalesOf(*kept, JudgeStrokes(*kept));
 }
 
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
