@@ -10,11 +10,13 @@ namespace hydroscope {
 
 /// When another sensor is worth a sentence; none of them decides a verdict.
 struct MissingSensorOptions {
-  /// Relative standard error of a parameter from which on another sensor is asked for: its 95 % interval spans 4 % ...
-  double loose = 0.01;
+  /// Relative standard error of a parameter from which on another sensor is asked for: its 95 % interval reaches half a per cent
+  /// to either side ...
+  double loose = 0.0025;
   double together = 4;  ///< ... if it is so many times less where the other parameters are known
   double noise = 0.01;  ///< of a sensor that is not there, of its signal's variation
-  double helps = 3;     ///< factor by which a sensor must lower one of these errors to be named
+  double helps =
+      2;  ///< factor by which a sensor must lower one of these errors to be named: as four times the log
 };
 
 /// What parameters would be told to with one more sensor.

@@ -21,6 +21,7 @@ class BeginningSearch {
  public:
   BeginningSearch(const Task& task, const Point& point)
       : task_(task), simulator_(task.model), reading_(kReading * OutputScale(*task.model, task.episodes)) {
+    simulator_.KnowParameters();
     task.Set(Unscaled(task, point.q), simulator_);
   }
 
@@ -85,17 +86,13 @@ class BeginningSearch {
                 const Eigen::VectorXd& prior, int rows) {
     const StateModel& model = *task_.model;
     const Episode& episode = task_.episodes[EpisodeOf(segment)];
-    const Eigen::Index states = model.states(), outputs = model.output.rows, free = at.size(),
-                       parameters = static_cast<Eigen::Index>(task_.scale.size());
+    const Eigen::Index states = model.states(), outputs = model.output.rows, free = at.size();
     Eigen::VectorXd x0(states);
     for (Eigen::Index i = 0; i < states; ++i) x0[i] = guess[i] * task_.state_scale[i];
     for (Eigen::Index k = 0; k < free; ++k) x0[free_[k]] = at[k] * task_.state_scale[free_[k]];
     if (segment.first == 0) x0 = simulator_.Initial(episode, x0);
-    RowMatrix start = RowMatrix::Zero(states, parameters + free);
-    for (Eigen::Index k = 0; k < free; ++k) {
-      const int state = free_[k];
-      start(state, parameters + k) = task_.state_scale[state];
-    }
+    RowMatrix start = RowMatrix::Zero(states, free);
+    for (Eigen::Index k = 0; k < free; ++k) start(free_[k], k) = task_.state_scale[free_[k]];
     if (task_.GivenUp()) return {};
     const Segment first_rows{segment.episode, segment.first, segment.first + rows - 1, false};
     task_.Run(episode, first_rows, x0, &start, simulator_, run_);
@@ -105,8 +102,7 @@ class BeginningSearch {
       for (Eigen::Index j = 0; j < outputs; ++j) {
         const double error = run_.outputs(row, j) - episode.signal(segment.first + row, model.outputs[j]);
         if (!std::isfinite(error)) continue;
-        const Eigen::VectorXd slope =
-            run_.slopes.row(row * outputs + j).segment(parameters, free) / reading_[j];
+        const Eigen::VectorXd slope = run_.slopes.row(row * outputs + j) / reading_[j];
         sums.cost += 0.5 * error * error / (reading_[j] * reading_[j]);
         sums.hessian += slope * slope.transpose();
         sums.gradient += slope * (error / reading_[j]);

@@ -51,6 +51,11 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
   jacobian_.assign(n * n, 0.0);
 }
 
+void StateSimulator::KnowParameters() {
+  parameters_ = 0;
+  for (TangentEntries* entries : {&entries_, &point_entries_}) entries->by_parameters.clear();
+}
+
 void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
   theta_ = parameters;
   const auto first = static_cast<std::ptrdiff_t>(states_ + inputs_);
@@ -73,7 +78,7 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
   program.RunFixed(registers.data());
   program.Run(registers.data());
   limits_.resize(2 * states_);
-  limit_slopes_ = RowMatrix::Zero(2 * states_, parameters_);
+  limit_slopes_ = RowMatrix::Zero(2 * states_, theta_.size());
   for (int r = 0; r < 2 * states_; ++r) limits_[r] = registers[program.output(static_cast<std::size_t>(r))];
   limited_ = limits_.array().isFinite().any();
   std::ranges::fill(held_, 0);
@@ -116,7 +121,7 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
     x0[i] = std::clamp(x0[i], limits_[i], std::max(limits_[i], limits_[states_ + i]));
   }
   if (slopes == nullptr) return x0;
-  *slopes = RowMatrix::Zero(states_, parameters_);
+  *slopes = RowMatrix::Zero(states_, theta_.size());
   for (std::size_t e = 0; e < model_->initial.entries.size(); ++e) {
     const auto [row, column] = model_->initial.entries[e];
     if (!model_->estimated[row])
@@ -240,6 +245,7 @@ void StateSimulator::Output(int row, StateRun& run) {
   for (int j = 0; j < output.rows; ++j) run.slopes.row(row * output.rows + j).setZero();
   for (std::size_t e = 0; e < output.entries.size(); ++e) {
     const auto [j, column] = output.entries[e];
+    if (column >= states_ + parameters_) continue;
     const double slope = registers[program.output(static_cast<std::size_t>(output.rows) + e)];
     double* to = run.slopes.row(row * output.rows + j).data();
     const double* from = s_.data() + column * columns_;

@@ -67,6 +67,8 @@ class StateSimulator {
  public:
   StateSimulator(std::shared_ptr<const StateModel> model, const SimulationOptions& options = {});
 
+  /// Sensitivities of all following runs are by the initial states alone.
+  void KnowParameters();
   /// For all following runs.
   void SetParameters(const Eigen::VectorXd& parameters);
   /// Innovations form (Ljung 1999, 5.3): after each row the states move by gain times measured less modelled; state x output.
@@ -81,7 +83,7 @@ class StateSimulator {
   Eigen::VectorXd Near(const Episode& episode) const;
 
   /// Runs from row `first` to row `last` (inclusive) with initial states x0. `start_slopes`: sensitivities of x0, states x
-  /// columns, parameters first; nullptr: none are wanted.
+  /// columns, parameters first unless they are known; nullptr: none are wanted.
   void Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
            const RowMatrix* start_slopes, StateRun& run, const AddedTerms* added = nullptr);
 
@@ -101,6 +103,7 @@ class StateSimulator {
   void TakeParts(const Episode& episode, int row, double from, double to);
   void Take(const RowCourse& course, std::size_t place);
   bool Row(const Episode& episode, int row);
+  void TakeRipples(const Episode& episode, int row, double from, double to);
   void Breaks(const Episode& episode, int row);
   void TakeDelayed(const Episode& episode, int row, double from, double to);
   bool Interval(double period);
@@ -124,8 +127,9 @@ class StateSimulator {
 
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
-  int states_, inputs_, parameters_;  ///< inputs: with what is delayed
-  int wanted_ = 0, columns_ = 0;      ///< columns of sensitivities, and with what they are padded by
+  int states_, inputs_,
+      parameters_;                ///< inputs: with what is delayed and ripples; parameters: columns of theirs
+  int wanted_ = 0, columns_ = 0;  ///< columns of sensitivities, and with what they are padded by
   InputHold hold_;
   double late_;  ///< LogFormat::outputs_late: inputs act so much later on what the rows say of outputs
   Eigen::VectorXd theta_, limits_;
