@@ -57,12 +57,15 @@ void AddHealthy(const drift::TemperatureModel& curve, const TrendPicture& pictur
       {"middle_K", JsonNumber(middle)}, {"curve", curve.tells_slope() ? CurveJson(curve) : nlohmann::json()}};
 }
 
-nlohmann::json MarksJson(const std::vector<TrendMark>& marks, std::int64_t first, std::int64_t end) {
+/// Those of strokes first to end - 1; who looks at the newest stroke sees what was since, too.
+nlohmann::json MarksJson(const std::vector<TrendMark>& marks, std::int64_t first, std::int64_t end,
+                         bool newest) {
   nlohmann::json list = nlohmann::json::array();
   for (auto mark = marks.rbegin(); mark != marks.rend() && list.size() < kMostMarksShown; ++mark)
-    if (mark->stroke >= first && mark->stroke < end)
+    if (mark->stroke >= first && (mark->stroke < end || newest))
       list.push_back({{"kind", mark->kind},
                       {"stroke", mark->stroke},
+                      {"time_s", JsonNumber(mark->time)},
                       {"name", mark->name.english},
                       {"text", mark->text.english},
                       {"german", {{"name", mark->name.german}, {"text", mark->text.german}}}});
@@ -95,7 +98,7 @@ nlohmann::json TrendJson(const TrendQuestion& question, const TrendPicture& pict
     bins["oil_temperature_K"].push_back(JsonNumber(bin.oil_temperature));
   }
   json["bins"] = std::move(bins);
-  json["marks"] = MarksJson(machine.marks, question.first, question.end);
+  json["marks"] = MarksJson(machine.marks, question.first, question.end, question.end >= machine.end);
   const auto known = machine.parameters.find(question.parameter);
   if (known == machine.parameters.end()) return json;
   for (const auto& [name, value] : known->second.limits)

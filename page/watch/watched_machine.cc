@@ -133,7 +133,8 @@ Status WatchedMachine::ReadValveChecks() {
   for (const ValveCheckRecord& check : checks) {
     const auto stroke = TRY(sources_.database.SequenceNear(id_, check.check.time));
     if (stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", stroke, check.outcome, valve_check::ToldOf(check.detail)});
+    marks_.push_back(
+        {"valve_check", stroke, check.outcome, valve_check::ToldOf(check.detail), check.check.time});
   }
   return {};
 }

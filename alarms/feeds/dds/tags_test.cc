@@ -42,8 +42,10 @@ std::vector<std::string> MembersInIdl(const std::string& name) {
   bool inside = false;
   for (std::string line; std::getline(file, line);) {
     std::smatch found;
-    if (line.find("struct") != std::string::npos) inside = line.find("struct " + name + " ") != std::string::npos;
-    if (inside && std::regex_match(line, found, member)) members.push_back(found[1].str() + " " + found[2].str());
+    if (line.find("struct") != std::string::npos)
+      inside = line.find("struct " + name + " ") != std::string::npos;
+    if (inside && std::regex_match(line, found, member))
+      members.push_back(found[1].str() + " " + found[2].str());
   }
   return members;
 }
