@@ -272,6 +272,23 @@ test("the head stands in one line on a laptop in German, and alarms and tags are
     const right = await phone.page.locator(cells).evaluateAll((all) => Math.max(...all.map((cell) => cell.getBoundingClientRect().right)));
     assert.ok(right <= 390, `${view} reaches to ${right}`);
   }
+  // names and findings as long as German can make them stay within
+  await phone.page.goto(`${phone.address}#view=overview`);
+  await phone.page.waitForSelector(".tile .standing button >> nth=1");
+  const long = await phone.page.evaluate(() => {
+    const word = "Druckhalteventilleckageüberwachungsgrenzwertüberschreitung";
+    for (const button of document.querySelectorAll(".tile .standing button")) button.textContent = word;
+    return Math.max(...[...document.querySelectorAll(".tile .standing button")].map((button) => button.getBoundingClientRect().right));
+  });
+  assert.ok(long <= 390, `an alarm reaches to ${long}`);
+  await phone.page.goto(`${phone.address}#view=scada`);
+  await phone.page.waitForSelector(".filters select");
+  const chosen = await phone.page.evaluate(() => {
+    const field = document.querySelector(".filters select");
+    field.options[0].textContent = "Ziehkissenhauptzylinder_links_hinten_Presswerk_Untertürkheim_2";
+    return field.getBoundingClientRect().right;
+  });
+  assert.ok(chosen <= 390, `a choice reaches to ${chosen}`);
 });
 
 test("an alarm arrives while the page is open, is acknowledged there, and survives a restart", async (t) => {
