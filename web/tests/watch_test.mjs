@@ -274,7 +274,7 @@ test("the head stands in one line on a laptop in German, and alarms and tags are
   }
   // names and findings as long as German can make them stay within
   await phone.page.goto(`${phone.address}#view=overview`);
-  await phone.page.waitForSelector(".tile .standing button >> nth=1");
+  await phone.page.waitForSelector(".tile .standing button");
   const long = await phone.page.evaluate(() => {
     const word = "Druckhalteventilleckageüberwachungsgrenzwertüberschreitung";
     for (const button of document.querySelectorAll(".tile .standing button")) button.textContent = word;
