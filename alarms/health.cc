@@ -1,5 +1,7 @@
 #include "alarms/health.h"
 
+#include <algorithm>
+
 namespace hydroscope {
 namespace {
 
@@ -65,6 +67,17 @@ Told LearningText(const HealthEvidence& e) {
 char HealthLetter(HealthState state) { return kStates[static_cast<std::size_t>(state)].letter; }
 const char* HealthName(HealthState state) { return kStates[static_cast<std::size_t>(state)].name; }
 const char* HealthReasonName(HealthReason reason) { return kReasons[static_cast<std::size_t>(reason)]; }
+HealthState HealthStateOf(char letter) {
+  const auto found = std::ranges::find(kStates, letter, &StateWords::letter);
+  return found == kStates.end() ? HealthState::kFunctionCheck
+                                : static_cast<HealthState>(found - kStates.begin());
+}
+HealthReason HealthReasonNamed(std::string_view name) {
+  const auto found =
+      std::ranges::find(kReasons, name, [](const char* known) { return std::string_view(known); });
+  return found == kReasons.end() ? HealthReason::kNothingKnown
+                                 : static_cast<HealthReason>(found - kReasons.begin());
+}
 bool IsTrouble(HealthReason reason) { return reason >= HealthReason::kDiskFull; }
 
 Health JudgeHealth(const HealthEvidence& e) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/counted_words.h"
@@ -14,6 +15,8 @@ namespace hydroscope {
 enum class HealthState { kGood, kMaintenance, kOutOfSpecification, kFunctionCheck, kFailure };
 /// '-', 'M', 'S', 'C', 'F'.
 char HealthLetter(HealthState state);
+/// The other way; any other letter is a function check.
+HealthState HealthStateOf(char letter);
 /// "good", "maintenance required", "out of specification", "function check", "failure".
 const char* HealthName(HealthState state);
 
@@ -33,6 +36,8 @@ enum class HealthReason {
 };
 /// "judged_good", "alarms", "learning", ...: what JSON calls it.
 const char* HealthReasonName(HealthReason reason);
+/// The other way; any other name is kNothingKnown.
+HealthReason HealthReasonNamed(std::string_view name);
 /// Whether it keeps the service from storing or judging at all.
 bool IsTrouble(HealthReason reason);
 

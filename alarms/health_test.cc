@@ -92,5 +92,18 @@ TEST(Health, APressIsNotGoodWhileNoneOfItsAxesIsJudged) {
   EXPECT_EQ(JudgePressHealth({Active(AlarmSeverity::kSignalLoss)}, {}, {learning}).letter(), 'F');
 }
 
+TEST(Health, IsReadAsItWasTold) {
+  for (int code = 0; code <= static_cast<int>(HealthState::kFailure); ++code) {
+    const auto state = static_cast<HealthState>(code);
+    EXPECT_EQ(HealthStateOf(HealthLetter(state)), state);
+  }
+  for (int code = 0; code <= static_cast<int>(HealthReason::kNotWatched); ++code) {
+    const auto reason = static_cast<HealthReason>(code);
+    EXPECT_EQ(HealthReasonNamed(HealthReasonName(reason)), reason);
+  }
+  EXPECT_EQ(HealthStateOf('x'), HealthState::kFunctionCheck);
+  EXPECT_EQ(HealthReasonNamed(""), HealthReason::kNothingKnown);
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -127,7 +127,8 @@ json FeedJson(const FeedStatus& f) {
               {"state", f.state.english}, {"german", {{"state", f.state.german}}},
               {"clients", f.clients},     {"delivered", f.delivered},
               {"behind", f.behind},       {"errors", f.errors}};
-  if (!f.registers.empty()) out["registers"] = f.registers;
+  for (const auto& [first, values] : f.registers)
+    out["registers"].push_back({{"first", first}, {"values", values}});
   return out;
 }
 

@@ -243,13 +243,27 @@ Result<std::string> ParseText(const std::string& body, const std::string& key) {
 
 std::string PlainFileName(const std::string& name) {
   const std::size_t folder = name.find_last_of("/\\");
-  std::string plain;
-  for (const char c : folder == name.npos ? name : name.substr(folder + 1)) {
+  const std::string file = folder == name.npos ? name : name.substr(folder + 1);
+  const auto follows = [&](std::size_t at) {  // a further byte of a character
+    return at < file.size() && (static_cast<unsigned char>(file[at]) & 0xC0) == 0x80;
+  };
+  std::vector<std::string> letters;
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    const char c = file[at];
+    const auto byte = static_cast<unsigned char>(c);
     const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                       c == '-' || c == '_' || c == '.';
-    plain += fine ? c : '_';
+    const bool latin = byte >= 0xC3 && byte <= 0xC9 && follows(at + 1) && !follows(at + 2);  // à, Ö, ß, ...
+    if (fine || latin)
+      letters.push_back(file.substr(at, latin ? 2 : 1));
+    else if (letters.empty() || letters.back() != "_")
+      letters.emplace_back("_");
+    while (follows(at + 1)) ++at;
   }
-  if (plain.size() > kLongestFileName) plain.erase(0, plain.size() - kLongestFileName);  // the ending tells
+  std::string plain;
+  for (auto letter = letters.rbegin();  // the ending tells
+       letter != letters.rend() && plain.size() + letter->size() <= kLongestFileName; ++letter)
+    plain.insert(0, *letter);
   plain.erase(0, std::min(plain.find_first_not_of('.'), plain.size()));
   return plain;
 }

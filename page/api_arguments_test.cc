@@ -134,6 +134,10 @@ TEST(ApiArguments, MakesFileNamesThatLeadNowhereElse) {
   EXPECT_EQ(PlainFileName("press.csv"), "press.csv");
   EXPECT_EQ(PlainFileName("../../etc/passwd"), "passwd");
   EXPECT_EQ(PlainFileName("C:\\logs\\press 1.csv"), "press_1.csv");
+  EXPECT_EQ(PlainFileName("Presse 7 – Spätschicht.csv"), "Presse_7_Spätschicht.csv");
+  EXPECT_EQ(PlainFileName("\xE4\xC3.csv"), "_.csv") << "no UTF-8";
+  EXPECT_EQ(PlainFileName("ä\x80.csv"), "_.csv");
+  EXPECT_EQ(PlainFileName(std::string(61, 'x') + "ä" + std::string(119, 'y')), std::string(119, 'y'));
   EXPECT_EQ(PlainFileName(".."), "");
   EXPECT_EQ(PlainFileName(".hidden"), "hidden");
   EXPECT_EQ(PlainFileName("x." + std::string(119, 'y')), std::string(119, 'y'));

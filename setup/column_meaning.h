@@ -42,6 +42,10 @@ std::string BareName(const std::string& name);
 /// Unit at the end of a column's name, as the machine file writes it: "bar" of "pA_bar", "mm" of "s_mm", "ms" of "t_ms";
 /// "" if there is none. Single letters only where the rest of the name says what they are: "y_v" is no volt.
 std::string UnitInName(const std::string& name);
+/// "jack pressure" of "jack pressure [bar]", "Drehzahl" of "Drehzahl_1/min".
+std::string NameWithoutUnit(const std::string& name);
+/// "Oel" of "Öl".
+std::string WithoutUmlauts(std::string text);
 
 /// A column with its role.
 struct ColumnRole {

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <string_view>
 
+#include "core/units.h"
 #include "replay/log_layout.h"
 #include "setup/column_meaning.h"
 
@@ -10,20 +12,10 @@ namespace {
 
 /// Lower case, umlauts written out, what stands in brackets left out.
 std::string Plain(const std::string& name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kUmlauts = {{{"ä", "ae"},
-                                                                                             {"ö", "oe"},
-                                                                                             {"ü", "ue"},
-                                                                                             {"Ä", "ae"},
-                                                                                             {"Ö", "oe"},
-                                                                                             {"Ü", "ue"},
-                                                                                             {"ß", "ss"},
-                                                                                             {"Δ", "d"}}};
   std::string text(SplitHeader(name).name);
   if (const auto bracket = text.find_last_of("[("); bracket != 0 && bracket != std::string::npos)
     text.resize(bracket);
-  for (const auto& [umlaut, letters] : kUmlauts)
-    for (std::size_t at = text.find(umlaut); at != std::string::npos; at = text.find(umlaut))
-      text.replace(at, 2, letters);
+  text = WithoutUmlauts(std::move(text));
   for (char& c : text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return text;
@@ -153,6 +145,14 @@ std::string UnitWord(const std::string& word) {
   return "";
 }
 
+/// What can be nothing but a unit at the end of a name, as it is spelt: "Nm", "1/min", "°C"; not "min", "in", "A".
+std::string WholeUnit(const std::string& word) {
+  static constexpr std::string_view kClear[] = {"Nm", "kNm", "kW", "Hz", "MN", "rad", "rpm", "kg", "kJ"};
+  const bool clear = std::find(std::begin(kClear), std::end(kClear), word) != std::end(kClear) ||
+                     word.find('/') != std::string::npos || word.starts_with("°");
+  return clear && FindUnit(word) ? word : "";
+}
+
 /// The name without its last word.
 std::string Stem(const std::string& text) {
   const std::string last = LastWord(text);
@@ -161,6 +161,21 @@ std::string Stem(const std::string& text) {
 }
 
 }  // namespace
+
+std::string WithoutUmlauts(std::string text) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kUmlauts = {{{"ä", "ae"},
+                                                                                             {"ö", "oe"},
+                                                                                             {"ü", "ue"},
+                                                                                             {"Ä", "Ae"},
+                                                                                             {"Ö", "Oe"},
+                                                                                             {"Ü", "Ue"},
+                                                                                             {"ß", "ss"},
+                                                                                             {"Δ", "d"}}};
+  for (const auto& [umlaut, letters] : kUmlauts)
+    for (std::size_t at = text.find(umlaut); at != std::string::npos; at = text.find(umlaut))
+      text.replace(at, 2, letters);
+  return text;
+}
 
 std::string UnitInName(const std::string& name) {
   const std::string text = Plain(name), last = LastWord(text);
@@ -181,7 +196,15 @@ std::string UnitInName(const std::string& name) {
   if (last == "in" && (stem == "z" || stem == "x" || Has(stem, {"pos", "stroke", "displ"}))) return "in";
   if (last == "n" && (stem == "f" || Has(stem, {"kraft", "force"}))) return "N";
   if (last == "m" && (stem == "z" || stem == "x" || Has(stem, {"pos", "weg", "hub"}))) return "m";
-  return "";
+  return WholeUnit(name.substr(name.find_last_of(" _") + 1));
+}
+
+std::string NameWithoutUnit(const std::string& name) {
+  const std::size_t bracket = name.find_last_of("[(");
+  std::string bare = bracket == 0 ? name : name.substr(0, bracket);
+  if (!UnitInName(bare).empty() && bare.back() != '%') bare.resize(bare.find_last_of(" _-."));
+  while (!bare.empty() && (bare.back() == ' ' || bare.back() == '_')) bare.pop_back();
+  return bare;
 }
 
 std::string BareName(const std::string& name) {

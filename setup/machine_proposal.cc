@@ -250,16 +250,9 @@ class Proposer {
       others_.push_back(i);
     }
   }
-  /// "jack pressure" of "jack pressure [bar]".
-  static std::string WithoutUnit(const std::string& column) {
-    const std::size_t unit = column.find_last_of("[(");
-    std::string name = unit == 0 ? column : column.substr(0, unit);
-    while (!name.empty() && name.back() == ' ') name.pop_back();
-    return name;
-  }
   std::string FreeName(const std::string& column) {
     std::string name;
-    for (const char c : WithoutUnit(column)) {
+    for (const char c : WithoutUmlauts(NameWithoutUnit(column))) {
       const bool letter =
           (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
       if (letter) name += c;

@@ -316,6 +316,16 @@ TEST(MachineProposal, KeepsEveryColumnOfAnUnknownMachineAndAsksForItsBalance) {
   EXPECT_THAT(proposal.text, HasSubstr("# [balance]"));
 }
 
+TEST(MachineProposal, UnitsOfAnUnknownMachineAreTakenFromTheEndOfItsNamesToo) {
+  std::string text = "Zeit_s;Drehmoment_Nm;Drehzahl_1/min;Öl_°C;x_min\n";
+  for (int i = 0; i < 100; ++i)
+    text += fmt::format("{:.3f};{};{};{};{}\n", i * 0.001, 5 + i % 7, 100 + i % 3, 40 + i % 2, i % 11);
+  const Machine m = Propose(text).machine;
+  ExpectColumns(
+      m, {{"Drehmoment", "Drehmoment_Nm Nm"}, {"Drehzahl", "Drehzahl_1/min 1/min"}, {"Oel", "Öl_°C °C"}});
+  EXPECT_EQ(ColumnOf(m, "x_min"), "x_min 1") << "the least of something, as likely as minutes";
+}
+
 TEST(MachineProposal, NeverTakesACoarseSignalForStuck) {
   const MachineProposal proposal = Propose(PressLog("t,p_A,z,y_v\n", [](const PressRow& r) {
     return fmt::format("{:.4f},{:.0f},{:.3f},{:.6f}", r.t, r.p_A, r.z, r.y_v);

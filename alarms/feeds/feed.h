@@ -8,6 +8,12 @@
 
 namespace hydroscope {
 
+/// Neighbouring registers with what they say.
+struct ServedRegisters {
+  int first = 0;
+  std::vector<std::uint16_t> values;
+};
+
 /// What a feed says about itself.
 struct FeedStatus {
   std::string name;            ///< "modbus 127.0.0.1:1503"
@@ -19,8 +25,8 @@ struct FeedStatus {
   std::int64_t errors = 0;     ///< rounds that failed, since the start
   std::int64_t refused = 0;    ///< clients turned away, or ended because of what they sent
   std::string refusal = "";    ///< the latest of these, in words
-  /// Those before the axes as they are served, of a feed that has registers.
-  std::vector<std::uint16_t> registers = {};
+  /// Those that say something as they are served, of a feed that has registers.
+  std::vector<ServedRegisters> registers = {};
 };
 
 /// Tells somebody outside what the journal and the trends hold. Each has threads and database handles of its

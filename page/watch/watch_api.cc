@@ -57,12 +57,15 @@ void AddHealthy(const drift::TemperatureModel& curve, const TrendPicture& pictur
       {"middle_K", JsonNumber(middle)}, {"curve", curve.tells_slope() ? CurveJson(curve) : nlohmann::json()}};
 }
 
-nlohmann::json MarksJson(const std::vector<TrendMark>& marks, std::int64_t first, std::int64_t end) {
+/// Those of strokes first to end - 1; who looks at the newest stroke sees what was since, too.
+nlohmann::json MarksJson(const std::vector<TrendMark>& marks, std::int64_t first, std::int64_t end,
+                         bool newest) {
   nlohmann::json list = nlohmann::json::array();
   for (auto mark = marks.rbegin(); mark != marks.rend() && list.size() < kMostMarksShown; ++mark)
-    if (mark->stroke >= first && mark->stroke < end)
+    if (mark->stroke >= first && (mark->stroke < end || newest))
       list.push_back({{"kind", mark->kind},
                       {"stroke", mark->stroke},
+                      {"time_s", JsonNumber(mark->time)},
                       {"name", mark->name.english},
                       {"text", mark->text.english},
                       {"german", {{"name", mark->name.german}, {"text", mark->text.german}}}});
@@ -95,7 +98,7 @@ nlohmann::json TrendJson(const TrendQuestion& question, const TrendPicture& pict
     bins["oil_temperature_K"].push_back(JsonNumber(bin.oil_temperature));
   }
   json["bins"] = std::move(bins);
-  json["marks"] = MarksJson(machine.marks, question.first, question.end);
+  json["marks"] = MarksJson(machine.marks, question.first, question.end, question.end >= machine.end);
   const auto known = machine.parameters.find(question.parameter);
   if (known == machine.parameters.end()) return json;
   for (const auto& [name, value] : known->second.limits)
@@ -224,16 +227,17 @@ HttpReply WatchApi::Alarms(const HttpRequest&) {
 
 namespace {
 
-/// Heartbeat, clock and their like are what the running feed serves, which no database knows.
+/// Registers say what the running feed serves.
 void ShowServed(const nlohmann::json& links, nlohmann::json& tags) {
-  std::map<std::string, std::string> served;
+  std::vector<ServedRegisters> served;
   for (const nlohmann::json& link : links)
-    if (link.contains("registers"))
-      served = ServedValues(link["registers"].get<std::vector<std::uint16_t>>());
-  for (nlohmann::json& tag : tags)
-    if (const auto value = served.find(tag.value("address", ""));
-        value != served.end() && tag["feed"] == "modbus")
-      tag["value"] = value->second;
+    for (const nlohmann::json& part : link.value("registers", nlohmann::json::array()))
+      served.push_back({part.value("first", 0), part.value("values", std::vector<std::uint16_t>())});
+  for (nlohmann::json& tag : tags) {
+    if (tag["feed"] != "modbus") continue;
+    const int address = std::stoi(tag["address"].get_ref<const std::string&>());
+    if (const auto value = ServedValue(served, address, tag["type"])) tag["value"] = *value;
+  }
 }
 
 }  // namespace
@@ -241,14 +245,17 @@ void ShowServed(const nlohmann::json& links, nlohmann::json& tags) {
 HttpReply WatchApi::Tags(const HttpRequest&) {
   const auto state = watcher_.state();
   auto tags = state->tags.is_null() ? nlohmann::json::array() : state->tags;
-  const auto links = state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
-                                                : nlohmann::json::array();
+  const nlohmann::json service = watcher_.Service();
+  auto links =
+      service.is_object() ? service.value("feeds", nlohmann::json::array()) : nlohmann::json::array();
   ShowServed(links, tags);
+  for (nlohmann::json& link : links) link.erase("registers");
   return JsonReply({{"tags", std::move(tags)}, {"links", links}});
 }
 
 HttpReply WatchApi::Service(const HttpRequest&) {
-  return JsonReply({{"service", watcher_.state()->service}});
+  static_cast<void>(watcher_.state());  // somebody asks: it goes on looking
+  return JsonReply({{"service", watcher_.Service()}});
 }
 
 HttpReply WatchApi::Trend(const HttpRequest& request) {

@@ -53,23 +53,27 @@ bool HasMoved(const drift::DriftMonitor& monitor, const std::string& name) {
   return false;
 }
 
-/// NE 107, as the service tells it, else as the page answers by itself.
-nlohmann::json HealthJson(const nlohmann::json& told, const Health& own) {
-  if (told.is_object())
-    return {{"letter", told.value("health", "C")},
-            {"reason", told.value("health_reason", "nothing_known")},
-            {"text", told.value("health_text", "")},
-            {"german", told.value("health_text_german", "")},
-            {"learned", told.value("commissioning_strokes", 0)},
-            {"needed", told.value("commissioning_needed", 0)},
-            {"live", true}};
-  return {{"letter", std::string(1, own.letter())},
-          {"reason", HealthReasonName(own.reason)},
-          {"text", own.text},
-          {"german", own.german},
-          {"learned", own.learned},
-          {"needed", own.needed},
-          {"live", false}};
+/// NE 107 as a running service and its feeds tell it.
+Health ToldHealth(const nlohmann::json& told) {
+  Health health;
+  health.state = HealthStateOf(told.value("health", "C").front());
+  health.reason = HealthReasonNamed(told.value("health_reason", ""));
+  health.text = told.value("health_text", "");
+  health.german = told.value("health_text_german", "");
+  if (told.value("reference_version", 0) > 0) return health;
+  health.learned = told.value("commissioning_strokes", std::int64_t{0});
+  health.needed = told.value("commissioning_needed", std::int64_t{0});
+  return health;
+}
+
+nlohmann::json HealthJson(const Health& health, bool live) {
+  return {{"letter", std::string(1, health.letter())},
+          {"reason", HealthReasonName(health.reason)},
+          {"text", health.text},
+          {"german", health.german},
+          {"learned", health.learned},
+          {"needed", health.needed},
+          {"live", live}};
 }
 
 nlohmann::json UnitJson(const WatchedParameter& parameter) {
@@ -129,7 +133,8 @@ Status WatchedMachine::ReadValveChecks() {
   for (const ValveCheckRecord& check : checks) {
     const auto stroke = TRY(sources_.database.SequenceNear(id_, check.check.time));
     if (stroke == 0) continue;  // before anything that is stored
-    marks_.push_back({"valve_check", stroke, check.outcome, valve_check::ToldOf(check.detail)});
+    marks_.push_back(
+        {"valve_check", stroke, check.outcome, valve_check::ToldOf(check.detail), check.check.time});
   }
   return {};
 }
@@ -271,10 +276,15 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
   const double last = latest.empty() ? kNaN : latest.front().time;
   const double oil = latest.empty() ? kNaN : latest.front().oil_temperature;
   dated_ = CountsFrom1970(last);
-  picture_ = {name_, name_.substr(name_.rfind('/') + 1), Health(), {}, end_, std::move(latest)};
+  picture_ = {name_,
+              name_.substr(name_.rfind('/') + 1),
+              told.is_object() ? ToldHealth(told) : Health(),
+              {},
+              end_,
+              std::move(latest)};
   const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
   json_ = {{"machine", name_},
-           {"health", HealthJson(told, picture_.health)},
+           {"health", HealthJson(picture_.health, told.is_object())},
            {"counted", (model_ == nullptr ? CountedWords{} : CountedWordsOf(machine_)).one},
            {"strokes", end_},
            {"runs", runs_},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,8 +29,9 @@ struct WatchedParameter {
 /// Something that happened to a machine, for trends.
 struct TrendMark {
   std::string kind;          ///< "alarm", "cleared", "reference", "model", "valve_check"
-  std::int64_t stroke = -1;  ///< machine-wide
+  std::int64_t stroke = -1;  ///< machine-wide; as many as there are: since the last one
   Told name, text;           ///< id of the alarm, "version 3"; a sentence
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< s; that of the stroke if it is not known
 };
 
 /// One machine of a database as the page shows it. Only reads. One object belongs to one thread.

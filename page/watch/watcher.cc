@@ -8,8 +8,10 @@
 #include <optional>
 
 #include "alarms/alarm_machine.h"
+#include "alarms/feeds/dds/tags.h"
 #include "alarms/feeds/modbus/tags.h"
 #include "alarms/feeds/sparkplug/tags.h"
+#include "alarms/press_health.h"
 #include "core/effect_units.h"
 #include "core/json_value.h"
 #include "core/told_error.h"
@@ -62,6 +64,7 @@ struct Watcher::Opened {
   std::vector<std::unique_ptr<WatchedMachine>> machines;
   std::map<std::string, std::vector<TrendMark>> marks;  ///< of the journal, by machine
   std::int64_t read_to = 0;                             ///< row of the journal
+  std::optional<JournalRow> newest;                     ///< that row
 
   Status ReadRows() {
     for (;;) {
@@ -72,6 +75,7 @@ struct Watcher::Opened {
         if (auto mark = MarkOf(row.event)) kept.push_back(std::move(*mark));
         if (kept.size() > kMostMarks) kept.erase(kept.begin(), kept.begin() + kMostMarks / 2);
       }
+      if (!rows.empty()) newest = rows.back();
       if (static_cast<std::int64_t>(rows.size()) < kRowsAtATime) return {};
     }
   }
@@ -122,6 +126,11 @@ std::shared_ptr<const WatchedState> Watcher::state() {
 WatchedState Watcher::Seen() const {
   const std::lock_guard lock(mutex_);
   return *state_;
+}
+
+nlohmann::json Watcher::Service() const {
+  const std::lock_guard lock(mutex_);
+  return service_;
 }
 
 void Watcher::LookNow() {
@@ -191,6 +200,10 @@ Status Watcher::Look() {
   Opened& opened = *opened_;
   const auto names = TRY(opened.database.MachineNames());
   nlohmann::json service = options_.service();
+  {
+    const std::lock_guard lock(mutex_);
+    service_ = service;
+  }
   // What makes a difference; the service's ages and counters change always.
   std::string seen = service.is_object() ? service.value("drift", nlohmann::json()).dump() : "";
   for (const std::string& name : names) {
@@ -222,7 +235,7 @@ std::string ScalingOf(const std::string& si) {
 /// What the feeds of the machine would tell of these axes. The feeds a machine file does not ask for are shown
 /// with their defaults.
 nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& machine,
-                        const AlarmJournal* journal, double wall) {
+                        const AlarmJournal* journal, const std::optional<JournalRow>& newest, double wall) {
   const auto alarms = journal == nullptr ? Result<std::vector<std::pair<std::string, std::string>>>()
                                          : journal->AlarmsByAppearance();
   std::vector<Tag> tags =
@@ -230,6 +243,9 @@ nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& mac
                  CountedWordsOf(machine));
   const SparkplugFeedSpec* spec = machine.feeds ? machine.feeds->Of<SparkplugFeedSpec>() : nullptr;
   for (Tag& tag : SparkplugTags(spec == nullptr ? SparkplugFeedSpec() : *spec, machine.name, axes, wall))
+    tags.push_back(std::move(tag));
+  const DdsFeedSpec* dds = machine.feeds ? machine.feeds->Of<DdsFeedSpec>() : nullptr;
+  for (Tag& tag : DdsTags(dds == nullptr ? DdsFeedSpec() : *dds, axes, newest))
     tags.push_back(std::move(tag));
   nlohmann::json list = nlohmann::json::array();
   for (const Tag& tag : tags)
@@ -243,6 +259,28 @@ nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& mac
                     {"meaning", tag.meaning},
                     {"value", tag.value}});
   return list;
+}
+
+/// A press, which has alarms but no strokes of its own.
+AxisPicture PressPicture(const std::string& machine, std::vector<AlarmState> alarms,
+                         const std::vector<AxisPicture>& axes) {
+  AxisPicture press;
+  press.machine = press.name = machine;
+  std::vector<Health> healths;
+  for (const AxisPicture& axis : axes) healths.push_back(axis.health);
+  press.health = JudgePressHealth(alarms, {}, healths);
+  press.alarms = std::move(alarms);
+  return press;
+}
+
+/// In the order of a running service, which feeds go by; those of other machines in the database are left out.
+std::vector<AxisPicture> AsServed(std::vector<AxisPicture> axes, const nlohmann::json& service) {
+  if (!service.is_object() || !service.contains("drift")) return axes;
+  std::vector<AxisPicture> served;
+  for (const nlohmann::json& told : service["drift"].value("axes", nlohmann::json::array()))
+    for (AxisPicture& axis : axes)
+      if (axis.machine == told.value("name", "")) served.push_back(std::move(axis));
+  return served;
 }
 
 /// null of an alarm that is told in English alone.
@@ -283,7 +321,6 @@ Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, std::map<std::str
 
 Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
   auto state = std::make_shared<WatchedState>();
-  state->service = service;
   state->alarms = nlohmann::json::array();
   std::map<std::string, int> standing;
   if (opened.journal) {
@@ -313,11 +350,16 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     auto content = TRY(opened.journal->Axis(name));
     axes.back().alarms = std::move(content.alarms);
   }
-  state->tags = TagsJson(axes, opened.machines.empty() ? Machine() : opened.machines.front()->described(),
-                         opened.journal ? &*opened.journal : nullptr, WallSeconds());
-  nlohmann::json presses = nlohmann::json::array();  // have alarms, but no strokes of their own
-  for (const auto& [machine, count] : standing)
-    if (!state->machines.contains(machine)) presses.push_back({{"machine", machine}, {"alarms", count}});
+  nlohmann::json presses = nlohmann::json::array();
+  for (const auto& [machine, count] : standing) {
+    if (state->machines.contains(machine)) continue;
+    presses.push_back({{"machine", machine}, {"alarms", count}});
+    auto content = TRY(opened.journal->Axis(machine));
+    axes.push_back(PressPicture(machine, std::move(content.alarms), axes));
+  }
+  state->tags = TagsJson(AsServed(std::move(axes), service),
+                         opened.machines.empty() ? Machine() : opened.machines.front()->described(),
+                         opened.journal ? &*opened.journal : nullptr, opened.newest, WallSeconds());
   state->overview = {{"database", std::filesystem::path(options_.database).filename().string()},
                      {"service", service.is_object()},
                      {"journal", opened.journal.has_value()},

@@ -27,7 +27,6 @@ struct WatchedState {
   nlohmann::json overview;  ///< docs/page.md, `watch/overview`
   nlohmann::json alarms;    ///< docs/page.md, `watch/alarms`
   nlohmann::json tags;      ///< docs/page.md, `watch/tags`
-  nlohmann::json service;   ///< what the service told; null: none runs
   std::map<std::string, MachineState> machines;
 };
 
@@ -41,6 +40,8 @@ class Watcher {
   /// Never null; its `overview` is null until the database was read first. Keeps the thread at work for kAttention s.
   std::shared_ptr<const WatchedState> state();
   static constexpr double kAttention = 90;
+  /// What the service told at the last look; null: none runs. Its ages and counters change while nothing is stored.
+  nlohmann::json Service() const;
   /// Looks again at once: something was changed here.
   void LookNow();
   const WatchOptions& options() const { return options_; }
@@ -64,6 +65,7 @@ class Watcher {
   bool stop_ = false, look_now_ = false;
   std::int64_t asked_ = 0;  ///< ns, monotonic, when somebody asked last
   std::shared_ptr<const WatchedState> state_;
+  nlohmann::json service_;
   std::thread thread_;
 };
 

@@ -49,9 +49,10 @@ nlohmann::json SignalsJson(const Residuals& residuals, const StrokeResiduals& st
   return out;
 }
 
-nlohmann::json FreeRunJson(const FreeRunStroke& run, const FreeRunChannel& channel, double step) {
-  const DisplayUnit unit = DisplayUnitFor(channel.si);
-  return {{"unit", unit.name},
+nlohmann::json FreeRunJson(const FreeRunStroke& run, const ModelStructure& model, double step) {
+  const DisplayUnit unit = DisplayUnitFor(model.free_run->si);
+  return {{"signal", model.channel_names[static_cast<std::size_t>(model.free_run->channel)]},
+          {"unit", unit.name},
           {"step", step},
           {"measured", ScaledJson(run.measured, unit.factor)},
           {"simulated", ScaledJson(run.simulated, unit.factor)}};
@@ -59,7 +60,7 @@ nlohmann::json FreeRunJson(const FreeRunStroke& run, const FreeRunChannel& chann
 
 /// Measured beside modelled of every stroke of a comparison, an array in the order of CompareResult::per_stroke: `stroke`,
 /// `begin` and `step` (s), `unit`, `measured`, `modelled`, `noise` (standard deviation that sensor noise gives their
-/// difference), `signals` (`name`, `unit`, `values`: means over each window), and `free_run` (`unit`, `step`, `measured`,
+/// difference), `signals` (`name`, `unit`, `values`: means over each window), and `free_run` (`signal`, `unit`, `step`, `measured`,
 /// `simulated`) or null.
 nlohmann::json StrokePicturesJson(const CompareResult& result) {
   const DisplayUnit unit = OutputUnit(result.log.machine);
@@ -71,16 +72,16 @@ nlohmann::json StrokePicturesJson(const CompareResult& result) {
     const StrokeResiduals& stroke = result.residuals.strokes[s];
     std::vector<double> noise;
     for (const double variance : stroke.noise_variance) noise.push_back(std::sqrt(variance));
-    out.push_back({{"stroke", result.per_stroke[s].stroke},
-                   {"begin", result.per_stroke[s].begin},
-                   {"step", step},
-                   {"unit", unit.name},
-                   {"measured", ScaledJson(stroke.measured, unit.factor)},
-                   {"modelled", ScaledJson(stroke.modelled, unit.factor)},
-                   {"noise", ScaledJson(noise, unit.factor)},
-                   {"signals", SignalsJson(result.residuals, stroke)},
-                   {"free_run", runs ? FreeRunJson((*runs)[s], *result.model.structure->free_run, step)
-                                     : nlohmann::json()}});
+    out.push_back(
+        {{"stroke", result.per_stroke[s].stroke},
+         {"begin", result.per_stroke[s].begin},
+         {"step", step},
+         {"unit", unit.name},
+         {"measured", ScaledJson(stroke.measured, unit.factor)},
+         {"modelled", ScaledJson(stroke.modelled, unit.factor)},
+         {"noise", ScaledJson(noise, unit.factor)},
+         {"signals", SignalsJson(result.residuals, stroke)},
+         {"free_run", runs ? FreeRunJson((*runs)[s], *result.model.structure, step) : nlohmann::json()}});
   }
   return out;
 }

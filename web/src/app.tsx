@@ -48,7 +48,7 @@ function Header({ language, setLanguage, units, setUnits }: Looks) {
         {session.unsaved && <em> · {say("unsaved")}</em>}</span>}
       {session?.watched && <WatchNavigation view={view} />}
       <span class="spring" />
-      {begun && view === "workbench" && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
+      {begun && view === "workbench" && <button class="quiet start-over" onClick={startOver}>{say("startOver")}</button>}
       <Account />
       <UnitMenu units={units} choose={setUnits} />
       <select aria-label={say("theme")} value={theme} onChange={(e) => setTheme(e.currentTarget.value as Theme)}>

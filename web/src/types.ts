@@ -157,7 +157,7 @@ export interface Preview {
 export interface StrokePicture {
   stroke: number; begin: number; step: number; unit: string; measured: number[]; modelled: number[]; noise: number[];
   signals: { name: string; unit: string; values: number[] }[];
-  free_run: { unit: string; step: number; measured: number[]; simulated: number[] } | null;
+  free_run: { signal: string; unit: string; step: number; measured: number[]; simulated: number[] } | null;
   with_effect?: number[] | null;  // modelled with the effect asked for
   outputs?: { name: string; unit: string; measured: number[]; modelled: number[]; noise: number }[];  // of a model with states
 }

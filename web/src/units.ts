@@ -119,6 +119,12 @@ export function short(value: number | null | undefined, digits = 3): string {
   return written(String(Number(value.toPrecision(Math.max(digits, Math.ceil(Math.log10(size + 1)))))));
 }
 
+/** The same with the zeros at its end: numbers below each other then end at the same digit. */
+export function full(value: number | null | undefined, digits = 3): string {
+  const size = Math.abs(value ?? 0);
+  return value === null || value === undefined || size < 1e-4 || size >= 1e4 ? short(value, digits) : written(value.toPrecision(Math.max(digits, Math.ceil(Math.log10(size + 1)))));
+}
+
 export function unitOf(units: Units, si: string): Unit {
   return inChosen(units[si] ?? { factor: 1, offset: 0, name: si });
 }

@@ -77,6 +77,16 @@ export async function dragThreshold(page, plot, finger = false) {
   await page.mouse.up();
 }
 
+/** In a page, before it loads: keeps what is written into pictures, in `drawnTexts`. */
+export function recordTexts() {
+  const write = CanvasRenderingContext2D.prototype.fillText;
+  window.drawnTexts = new Set();
+  CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+    window.drawnTexts.add(text);
+    return write.call(this, text, ...place);
+  };
+}
+
 /** Sheets of paper that the page is printed on. */
 export const pagesOf = async (page) => (await page.pdf({ format: "A4" })).toString("latin1").match(/\/Type\s*\/Page\b/g).length;
 

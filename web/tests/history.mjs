@@ -10,7 +10,7 @@ const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 export const begin = 1_772_352_000;  // s since 1970: 1 March 2026, 8:00 UTC
 
 /** A simulated log whose times count from 1970. */
-function simulate(path, name, start, words) {
+export function simulate(path, name, start, words) {
   run(["simulate", "press", "--out", "plain.csv", ...words], path);
   const [head, ...rows] = readFileSync(join(path, "plain.csv"), "utf8").trimEnd().split("\n");
   const dated = rows.map((row) => { const comma = row.indexOf(","); return (Number(row.slice(0, comma)) + start).toFixed(4) + row.slice(comma); });

@@ -7,7 +7,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, startBrowser, press as pressKey, tabTo, visitServed } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, endBrowser, recordTexts, startBrowser, press as pressKey, tabTo, until, visitServed } from "./browser_fixture.mjs";
 import { folder, program, run, serve } from "./program.mjs";
 
 const place = folder();
@@ -99,6 +99,12 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   assert.ok(leak.strokes > before.strokes);
   await page.goto(`${address}#view=overview`);
   await page.waitForSelector(".tile .facts-line:has-text('+ Internal leakage past the piston seal')");
+  // and the trend says when, once drawn
+  await page.addInitScript(recordTexts);
+  await page.goto(`${address}?#view=trends&p=K`);
+  await page.waitForSelector(".marks li:has-text('model version'):has-text('stroke')");
+  assert.match(await page.locator(".marks li", { hasText: "model version" }).innerText(), /version \d+ · stroke \d+ · model version \d+ after \d+/);
+  await until(page, () => window.drawnTexts.has("M"));
   const { journal } = await (await page.request.get(`${address}api/v1/watch/journal`)).json();
   const row = journal.find((entry) => entry.event === "model_promoted");
   assert.deepEqual([row.user, row.comment], ["admin", "the seal leaks until it is changed"]);

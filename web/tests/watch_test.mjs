@@ -1,12 +1,12 @@
 // Watching a database in a real browser: node --test watch_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { copyFileSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { after, before, test } from "node:test";
-import { assertAccessible, assertFits, endBrowser, pagesOf, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
-import { addValveChecks, copyHistory, makeBeginning, makeEpisodes, makeHistory } from "./history.mjs";
+import { assertAccessible, assertFits, endBrowser, pagesOf, recordTexts, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
+import { addValveChecks, begin, copyHistory, makeBeginning, makeEpisodes, makeHistory, simulate } from "./history.mjs";
 import { folder, run, serve } from "./program.mjs";
 
 const place = folder();
@@ -109,6 +109,38 @@ test("a trend is zoomed, kept in the address, and its CSV holds what `trends` ho
 
   await page.selectOption("label:has-text('Over') select", "oil");
   await page.waitForSelector(".trend-plot[role=img] canvas");
+});
+
+test("alarms, references, changes of the model and valve checks are marked in the trend and listed below, also those since the last stroke", async (t) => {
+  const own = copyOfHistory("marks");
+  const { page, address, served } = await visit(t, own);
+  await page.addInitScript(recordTexts);
+  await page.goto(`${address}#view=trends&p=K`);
+  await page.waitForSelector(".marks li >> nth=3");
+  const marks = await page.locator(".marks li").allInnerTexts();
+  assert.match(marks[0], /V valve check refused · Mar 2, 2026, .* · since the last stroke · the controller refused/);
+  assert.match(marks[1], /V valve check measured · Mar 1, 2026, .* · stroke 1\d\d · 16 frequencies/);
+  assert.match(marks[2], /▲ alarm\s*Internal leakage past the piston seal · stroke 1\d\d/);
+  assert.match(marks[3], /R reference learned · stroke 99 · reference 1 learned from 0 to 99/);
+  await until(page, () => ["▲", "R", "V"].every((letter) => window.drawnTexts.has(letter)));
+  assert.ok(!(await page.evaluate(() => window.drawnTexts.has("M"))), "one model so far");
+  await page.goto(`${address}#view=trends&p=K&to=90`);
+  await page.waitForSelector(".trends [role=status]:has-text('Strokes 0 to 89')");
+  await until(page, () => document.querySelectorAll(".marks li").length === 0);
+
+  // a model that somebody promotes is marked as soon as strokes are identified with it
+  await served.stop();
+  for (const part of ["", "_rules"]) copyFileSync(join(place.path, `press${part}.toml`), join(place.path, `better${part}.toml`));
+  run(["model", "add", "internal_leakage", "late.csv", "--machine", "better.toml"], place.path);
+  run(["model", "promote", "--machine", "better.toml", "--db", "marks.db", "--user", "anna", "--comment", "the seal leaks"], place.path);
+  simulate(place.path, "later.csv", begin + 2_000, ["--seconds", "60", "--seed", "5", "--oil", "40:46", "--effect", "internal_leakage=3e-12"]);
+  run(["replay", "later.csv", "--machine", "better.toml", "--db", "marks.db"], place.path);
+  const again = await visit(t, ["--db", "marks.db", "--machine", "better.toml"]);
+  await again.page.addInitScript(recordTexts);
+  await again.page.goto(`${again.address}#view=trends&p=K&x=stroke`);
+  await again.page.waitForSelector(".marks li:has-text('model version')");
+  assert.match(await again.page.locator(".marks li", { hasText: "model version" }).innerText(), /M model\s.*version 2 · stroke 15\d · model version 2 after 1/);
+  await until(again.page, () => window.drawnTexts.has("M"));
 });
 
 test("panning moves the picture frame by frame, asks ahead for what comes, and ends with the last stroke", async (t) => {
@@ -240,6 +272,23 @@ test("the head stands in one line on a laptop in German, and alarms and tags are
     const right = await phone.page.locator(cells).evaluateAll((all) => Math.max(...all.map((cell) => cell.getBoundingClientRect().right)));
     assert.ok(right <= 390, `${view} reaches to ${right}`);
   }
+  // names and findings as long as German can make them stay within
+  await phone.page.goto(`${phone.address}#view=overview`);
+  await phone.page.waitForSelector(".tile .standing button");
+  const long = await phone.page.evaluate(() => {
+    const word = "Druckhalteventilleckageüberwachungsgrenzwertüberschreitung";
+    for (const button of document.querySelectorAll(".tile .standing button")) button.textContent = word;
+    return Math.max(...[...document.querySelectorAll(".tile .standing button")].map((button) => button.getBoundingClientRect().right));
+  });
+  assert.ok(long <= 390, `an alarm reaches to ${long}`);
+  await phone.page.goto(`${phone.address}#view=scada`);
+  await phone.page.waitForSelector(".filters select");
+  const chosen = await phone.page.evaluate(() => {
+    const field = document.querySelector(".filters select");
+    field.options[0].textContent = "Ziehkissenhauptzylinder_links_hinten_Presswerk_Untertürkheim_2";
+    return field.getBoundingClientRect().right;
+  });
+  assert.ok(chosen <= 390, `a choice reaches to ${chosen}`);
 });
 
 test("an alarm arrives while the page is open, is acknowledged there, and survives a restart", async (t) => {

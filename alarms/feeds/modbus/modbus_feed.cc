@@ -42,8 +42,7 @@ class ModbusFeed : public Feed {
     status.delivered = cursor_;
     status.behind = last_ - cursor_;
     if (!listener_) return status;
-    const auto head = image_.registers().first(register_map::kFirstAxis);
-    status.registers.assign(head.begin(), head.begin() + register_map::kAcknowledgeOutcome + 1);
+    status.registers = image_.Filled();
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
     status.refused = counters.refused + counters.malformed;

@@ -165,4 +165,22 @@ void RegisterImage::ShowAcknowledge(std::uint16_t number, std::uint16_t outcome)
   registers_[kAcknowledgeOutcome] = outcome;
 }
 
+std::vector<ServedRegisters> RegisterImage::Filled() const {
+  std::vector<ServedRegisters> parts;
+  const auto add = [&](int first, int count) {
+    parts.push_back({first, {registers_.begin() + first, registers_.begin() + first + count}});
+  };
+  add(0, kAcknowledgeOutcome + 1);
+  const int axes = registers_[kAxes], alarms = std::min<int>(registers_[kAlarms], kMostAlarms);
+  add(kFirstHealth, axes * kHealthStride);
+  for (int a = 0; a < axes; ++a) {
+    const int first = kFirstAxis + a * kAxisStride;
+    add(first, kFirstParameter + registers_[first + kParameters] * kParameterStride);
+  }
+  add(kFirstCause, alarms);
+  add(kFirstAlarm, alarms * kAlarmStride);
+  add(kFirstRecord, kRecordWidth);
+  return parts;
+}
+
 }  // namespace hydroscope

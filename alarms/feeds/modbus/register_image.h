@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "alarms/feeds/feed.h"
 #include "alarms/feeds/feed_reader.h"
 
 namespace hydroscope {
@@ -47,6 +48,8 @@ class RegisterImage {
   void ShowAcknowledge(std::uint16_t number, std::uint16_t outcome);
 
   std::span<const std::uint16_t> registers() const { return registers_; }
+  /// The head, what there is of axes and alarms, and the first record of the ring.
+  std::vector<ServedRegisters> Filled() const;
 
  private:
   std::span<std::uint16_t> At(int first, int count) {

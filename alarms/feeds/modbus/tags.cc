@@ -18,6 +18,7 @@ using namespace register_map;
 enum class Cell { kU16, kU32, kFloat, kText16, kText32 };
 constexpr std::array<const char*, 5> kCellNames = {"u16", "u32", "float32", "text, 16 characters",
                                                    "text, 32 characters"};
+constexpr std::array<std::size_t, 5> kCellRegisters = {1, 2, 2, 8, 16};
 
 /// What stands at an offset of a part of the map.
 struct Place {
@@ -30,6 +31,7 @@ struct Place {
 };
 
 constexpr Place kHeadPlaces[] = {
+    {kMagic, Cell::kU32, "mark of the map", "", "1213809746, the letters HYDR; 0: nothing is current yet"},
     {kMapVersion, Cell::kU16, "map version", "", ""},
     {kHeartbeat, Cell::kU16, "heartbeat", "",
      "counts up some ten times a second; if it stands still for 2 s nothing is current", true},
@@ -40,12 +42,24 @@ constexpr Place kHeadPlaces[] = {
     {kStanding, Cell::kU16, "alarms not at rest", "", ""},
     {kUnacknowledged, Cell::kU16, "alarms not acknowledged", "", ""},
     {kClock, Cell::kU32, "time of this picture", "s", "since 1970", true},
+    {kWaiting, Cell::kU16, "acknowledgements waiting", "", "not in the journal yet", true},
     {kTrouble, Cell::kU16, "trouble", "", "what keeps the service from storing or judging; 0 nothing", true},
     {kAcknowledge, Cell::kU16, "acknowledge", "",
      "write the number of an alarm; the only register that can be written", true},
     {kAcknowledgeOutcome, Cell::kU16, "outcome of acknowledging", "",
      "0 nothing asked, 1 asked, 2 acknowledged, 3 nothing to acknowledge, 4 not stored", true},
 };
+constexpr const char* kLayoutNames[] = {"first axis",
+                                        "registers of an axis",
+                                        "first parameter within an axis",
+                                        "registers of a parameter",
+                                        "first alarm",
+                                        "registers of an alarm",
+                                        "most alarms",
+                                        "first record of the ring",
+                                        "registers of a record",
+                                        "records of the ring",
+                                        "register to acknowledge"};
 constexpr Place kAxisPlaces[] = {
     {kHealth, Cell::kU16, "health", "", "NE 107: 0 good, 1 M, 2 S, 3 C, 4 F"},
     {kParameters, Cell::kU16, "parameters", "", "that follow"},
@@ -72,7 +86,24 @@ constexpr Place kAlarmPlaces[] = {
     {kAlarmValue, Cell::kFloat, "value", nullptr, ""},
     {kAlarmStd, Cell::kFloat, "standard deviation", nullptr, ""},
     {kAlarmLimit, Cell::kFloat, "limit", nullptr, ""},
+    {kAlarmSequence, Cell::kU32, "newest journal row", "", "about it", true},
     {kAlarmName, Cell::kText32, "id", "", ""},
+};
+constexpr Place kCausePlaces[] = {
+    {0, Cell::kU16, "cause", "", "0 not sought, 1 named, 2 one of several, 3 not known"}};
+constexpr Place kRecordPlaces[] = {
+    {kSequence, Cell::kU32, "sequence number", "", "row s stands in record s modulo 2048, 16 registers each",
+     true},
+    {kSeconds, Cell::kU32, "time", "s", "since 1970", true},
+    {kMilliseconds, Cell::kU16, "milliseconds", "ms", "", true},
+    {kAlarmNumber, Cell::kU16, "alarm", "", "its number; 0: the axis as a whole", true},
+    {kRecordAxis, Cell::kU16, "axis", "", "from 1", true},
+    {kEvent, Cell::kU16, "event", "", "docs/register_map.md", true},
+    {kRecordState, Cell::kU16, "state", "", "as that of an alarm", true},
+    {kRecordSeverity, Cell::kU16, "severity", "", "as that of an alarm", true},
+    {kStroke, Cell::kU32, "stroke", "", "", true},
+    {kRecordValue, Cell::kFloat, "value", "", "SI", true},
+    {kRecordLimit, Cell::kFloat, "limit", "", "SI", true},
 };
 
 std::string ValueAt(std::span<const std::uint16_t> all, int at, Cell cell) {
@@ -84,7 +115,7 @@ std::string ValueAt(std::span<const std::uint16_t> all, int at, Cell cell) {
     return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
   }
   std::string text;
-  for (std::size_t k = 0; k < (cell == Cell::kText16 ? 8 : 16); ++k)
+  for (std::size_t k = 0; k < kCellRegisters[static_cast<std::size_t>(cell)]; ++k)
     for (const int character : {registers[k] >> 8, registers[k] & 0xff})
       if (character != 0) text += static_cast<char>(character);
   return text;
@@ -106,7 +137,11 @@ class TagList {
            Counted(place.meaning),
            place.of_service ? "" : ValueAt(image_.registers(), first + place.offset, place.cell)});
   }
-  std::vector<Tag> Take() { return std::move(tags_); }
+  /// In order of the registers.
+  std::vector<Tag> Take() {
+    std::ranges::sort(tags_, {}, [](const Tag& tag) { return std::stoi(tag.address); });
+    return std::move(tags_);
+  }
 
  private:
   /// The words with what the machine counts in place of strokes.
@@ -144,6 +179,11 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
   image.ShowHead(counts, wall);
   TagList list(image, counted);
   list.Add(kHeadPlaces, 0, "", "");
+  int layout = kLayout;
+  for (const char* name : kLayoutNames) {
+    const Place place[] = {{layout++, Cell::kU16, name, "", ""}};
+    list.Add(place, 0, "", "layout");
+  }
   for (std::size_t a = 0; a < axes.size() && a < kMostAxes; ++a) {
     const int first = kFirstAxis + static_cast<int>(a) * kAxisStride;
     list.Add(kAxisPlaces, first, axes[a].name, "");
@@ -165,19 +205,24 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
     for (const AlarmState& alarm : axes[a].alarms) {
       const int number = numbers.NumberOf(axes[a].machine, alarm.id);
       if (number < 1 || number > kMostAlarms) continue;
-      list.Add(kAlarmPlaces, kFirstAlarm + (number - 1) * kAlarmStride, axes[a].name,
-               fmt::format("alarm {} {}", number, alarm.id), alarm.unit);
+      const std::string of = fmt::format("alarm {} {}", number, alarm.id);
+      list.Add(kAlarmPlaces, kFirstAlarm + (number - 1) * kAlarmStride, axes[a].name, of, alarm.unit);
+      list.Add(kCausePlaces, kFirstCause + number - 1, axes[a].name, of);
     }
+  list.Add(kRecordPlaces, kFirstRecord, "", "record 0 of the ring");
   return list.Take();
 }
 
-std::map<std::string, std::string> ServedValues(std::span<const std::uint16_t> registers) {
-  std::map<std::string, std::string> values;
-  for (const Place& place : kHeadPlaces)
-    if (place.of_service &&
-        static_cast<std::size_t>(place.offset) + 1 < registers.size() + (place.cell == Cell::kU16))
-      values[std::to_string(place.offset)] = ValueAt(registers, place.offset, place.cell);
-  return values;
+std::optional<std::string> ServedValue(const std::vector<ServedRegisters>& served, int address,
+                                       const std::string& type) {
+  const auto cell = std::find(kCellNames.begin(), kCellNames.end(), type) - kCellNames.begin();
+  if (cell == std::ssize(kCellNames)) return std::nullopt;
+  for (const auto& [first, values] : served)
+    if (address >= first &&
+        static_cast<std::size_t>(address - first) + kCellRegisters[static_cast<std::size_t>(cell)] <=
+            values.size())
+      return ValueAt(values, address - first, static_cast<Cell>(cell));
+  return std::nullopt;
 }
 
 }  // namespace hydroscope

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "alarms/feeds/feed.h"
 #include "alarms/feeds/feed_reader.h"
 #include "alarms/feeds/tag.h"
 #include "core/counted_words.h"
@@ -19,7 +19,8 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
                             const std::vector<std::pair<std::string, std::string>>& alarms_by_appearance,
                             double wall, const CountedWords& counted = {});
 
-/// Of those that say something only while they are served, what a running feed serves (FeedStatus::registers), by address.
-std::map<std::string, std::string> ServedValues(std::span<const std::uint16_t> registers);
+/// What a running feed serves (FeedStatus::registers) in the place of a tag of this type; nullopt: it serves nothing there.
+std::optional<std::string> ServedValue(const std::vector<ServedRegisters>& served, int address,
+                                       const std::string& type);
 
 }  // namespace hydroscope

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 
+#include "alarms/feeds/modbus/register_image.h"
 #include "alarms/feeds/modbus/register_map.h"
 
 namespace hydroscope {
 namespace {
 
-std::vector<Tag> TagsOfAPress(const CountedWords& counted = {}) {
+AxisPicture LeakingAxis() {
   AxisPicture axis;
   axis.machine = "press/left";
   axis.name = "left";
@@ -26,11 +27,19 @@ std::vector<Tag> TagsOfAPress(const CountedWords& counted = {}) {
   alarm.value = 3e-12;
   alarm.unit = "m3/(s Pa)";
   axis.alarms = {alarm};
+  return axis;
+}
+
+AxisPicture OtherAxis() {
   AxisPicture right;
   right.machine = "press/right";
   right.name = "right";
-  return ModbusTags({axis, right}, {{"press/right", "no_samples"}, {"press/left", "internal_leakage"}}, 1000,
-                    counted);
+  return right;
+}
+
+std::vector<Tag> TagsOfAPress(const CountedWords& counted = {}) {
+  return ModbusTags({LeakingAxis(), OtherAxis()},
+                    {{"press/right", "no_samples"}, {"press/left", "internal_leakage"}}, 1000, counted);
 }
 
 const Tag& Named(const std::vector<Tag>& tags, const std::string& axis, const std::string& name) {
@@ -57,19 +66,30 @@ TEST(ModbusTags, StandWhereTheMapHasThemWithTheirValues) {
   EXPECT_EQ(Named(tags, "", "heartbeat").value, "") << "nothing is served";
 }
 
-TEST(ModbusTags, WhatOnlyARunningFeedKnowsIsReadFromItsRegisters) {
-  std::vector<std::uint16_t> registers(register_map::kAcknowledgeOutcome + 1, 0);
-  registers[register_map::kHeartbeat] = 4711;
-  registers[register_map::kNewest] = 1;
-  registers[register_map::kNewest + 1] = 2;
-  registers[register_map::kAcknowledgeOutcome] = 3;
-  const auto served = ServedValues(registers);
-  EXPECT_EQ(served.at(std::to_string(register_map::kHeartbeat)), "4711");
-  EXPECT_EQ(served.at(std::to_string(register_map::kNewest)), "65538");
-  EXPECT_EQ(served.at(std::to_string(register_map::kAcknowledgeOutcome)), "3");
-  for (const Tag& tag : TagsOfAPress())
-    EXPECT_TRUE(!served.contains(tag.address) || tag.value.empty()) << tag.name << " has two values";
-  EXPECT_TRUE(ServedValues({}).empty());
+TEST(ModbusTags, WhatARunningFeedServesIsReadFromItsRegisters) {
+  const std::vector<ServedRegisters> served = {{3, {4711, 1, 2}},
+                                               {1024, {0x4220, 0, 0x6C65, 0x6674, 0, 0, 0, 0, 0, 0}}};
+  EXPECT_EQ(ServedValue(served, 3, "u16"), "4711");
+  EXPECT_EQ(ServedValue(served, 4, "u32"), "65538");
+  EXPECT_EQ(ServedValue(served, 1024, "float32"), "40");
+  EXPECT_EQ(ServedValue(served, 1026, "text, 16 characters"), "left");
+  EXPECT_EQ(ServedValue(served, 5, "u32"), std::nullopt) << "half of it";
+  EXPECT_EQ(ServedValue(served, 2, "u16"), std::nullopt);
+  EXPECT_EQ(ServedValue(served, 3, "Double"), std::nullopt);
+}
+
+TEST(ModbusTags, EveryTagStandsInTheRegistersThatARunningFeedTellsOf) {
+  RegisterImage image;
+  image.ShowAxis(1, LeakingAxis(), 1000);
+  image.ShowAxis(2, OtherAxis(), 1000);
+  image.ShowHead({.axes = 2, .alarms = 2}, 1000);
+  const auto served = image.Filled();
+  for (const Tag& tag : TagsOfAPress()) {
+    const auto value = ServedValue(served, std::stoi(tag.address), tag.type);
+    EXPECT_TRUE(value) << tag.address << " " << tag.name;
+  }
+  EXPECT_EQ(ServedValue(served, register_map::kFirstAxis + register_map::kFirstParameter, "float32"),
+            "1.5e+09");
 }
 
 TEST(ModbusTags, AnAlarmHasTheNumberOfItsFirstAppearance) {
@@ -91,12 +111,12 @@ TEST(ModbusTags, NamesSpeakOfEpisodesWhereTheMachineHasThemAndNoAddressMoves) {
             Named(strokes, "left", "strokes stored").address);
 }
 
-TEST(ModbusTags, NoRegisterIsNamedTwice) {
-  auto tags = TagsOfAPress();
-  std::vector<std::string> addresses;
-  for (const Tag& tag : tags) addresses.push_back(tag.address);
-  std::sort(addresses.begin(), addresses.end());
-  EXPECT_EQ(std::adjacent_find(addresses.begin(), addresses.end()), addresses.end());
+TEST(ModbusTags, StandInOrderAndNoRegisterIsNamedTwice) {
+  int before = -1;
+  for (const Tag& tag : TagsOfAPress()) {
+    EXPECT_GT(std::stoi(tag.address), before) << tag.name;
+    before = std::stoi(tag.address);
+  }
 }
 
 }  // namespace

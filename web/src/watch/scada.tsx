@@ -9,6 +9,7 @@ import type { FeedLink, Tag } from "./watch_types";
 import { useWatch } from "./watch_store";
 
 const shown = 400;  // rows at a time
+const lookAgain = 2000;  // ms: registers change while nothing is stored
 
 function csvOf(tags: Tag[]): string {
   const quoted = (field: string) => (/[",\n]/.test(field) ? `"${field.replace(/"/g, '""')}"` : field);
@@ -27,8 +28,10 @@ export function Scada() {
   const [found, setFound] = useState<{ tags: Tag[]; links: FeedLink[] } | null>(null);
   useEffect(() => {
     let gone = false;
-    void find<{ tags: Tag[]; links: FeedLink[] }>("watch/tags").then((tags) => { if (!gone && tags) setFound(tags); }).catch(() => {});
-    return () => { gone = true; };
+    const look = () => void find<{ tags: Tag[]; links: FeedLink[] }>("watch/tags").then((tags) => { if (!gone && tags) setFound(tags); }).catch(() => {});
+    look();
+    const again = setInterval(look, lookAgain);
+    return () => { gone = true; clearInterval(again); };
   }, [tick]);
   if (!found) return <p class="empty" role="status">{say("loading")}</p>;
   const axes = [...new Set(found.tags.map((t) => t.axis))].filter((axis) => axis !== "");

@@ -6,7 +6,7 @@ import { pageColor } from "../plot";
 import { amount, grouped, short, unitName } from "../units";
 import type { Say } from "../words";
 import { CourseStrip } from "./course_strip";
-import { dateText, inUnit, ofParameter, symbolOf } from "./shown";
+import { dateText, inUnit, isDate, ofParameter, symbolOf } from "./shown";
 import { middle, placeOf, strokeAt, tickTexts, type AxisKind } from "./trend_axis";
 import { coursesOf, type Courses } from "./trend_courses";
 import type { Mark, Trend, WatchedUnit } from "./watch_types";
@@ -147,7 +147,7 @@ export class TrendView {
     ctx.font = `${12 * devicePixelRatio}px system-ui`;
     ctx.textAlign = "left";
     for (const mark of trend.marks) {
-      const x = plot.valToPos(this.at(mark.stroke), "x", true);
+      const x = plot.valToPos(this.axis === "time" && isDate(mark.time_s) ? Math.min(mark.time_s, plot.scales.x.max!) : this.at(Math.min(mark.stroke, trend.strokes - 1)), "x", true);
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
       ctx.strokeStyle = ctx.fillStyle = this.colors[mark.kind];
       ctx.setLineDash(mark.kind === "alarm" ? [] : [6, 4]);

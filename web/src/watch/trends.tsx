@@ -17,6 +17,7 @@ import { ToWorkbench } from "./to_workbench";
 import { useWatch } from "./watch_store";
 import type { MaybeNumber, Overview, Trend, WatchedUnit } from "./watch_types";
 
+const marksShown = 30;
 const binsSeen = 1000;  // about a pixel each; beside them as many more as the margins hold, so that panning shows something at once
 
 /** The trends of what is looked at, with a margin on both sides; the last ones stay until the new ones are there. While one pans, `ahead` asks for what comes. */
@@ -111,7 +112,7 @@ export function Trends({ overview }: { overview: Overview }) {
     const found = isEffect(mark.name) ? undefined : alarms.find((alarm) => alarm.machine === machine.machine && alarm.alarm === mark.name);
     return found ? <Told of={found} what="finding" /> : <Told of={mark} what="name" />;
   };
-  const marks = trends[0]?.marks.filter((m) => m.stroke >= from && m.stroke < to) ?? [];
+  const marks = trends[0]?.marks.filter((m) => m.stroke >= from && (m.stroke < to || to === strokes)) ?? [];
   return (
     <section class="trends">
       <h1>{say("view_trends")}</h1>
@@ -159,12 +160,12 @@ export function Trends({ overview }: { overview: Overview }) {
       </p>
       {axis !== "oil" && <p class="quiet">{say(byFinger() ? "trendFingers" : "trendKeys")}</p>}
       {marks.length > 0 && <section class="marks"><h2>{say("marks")}</h2><ul>
-        {marks.slice(0, 30).map((mark) => (
-          <li key={`${mark.kind}${mark.stroke}${mark.name}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}
+        {marks.slice(0, marksShown).map((mark) => (
+          <li key={`${mark.kind}${mark.stroke}${mark.name}${mark.time_s}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}
             {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}>{called(mark)}</button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
-            {" · "}{say("strokeNumber", { stroke: mark.stroke })}{mark.kind !== "alarm" && mark.text && <small> · <Told of={mark} what="text" /></small>}</li>
+            {isDate(mark.time_s) && ` · ${dateText(mark.time_s)}`}{" · "}{mark.stroke < strokes ? say("strokeNumber", { stroke: mark.stroke }) : say("sinceLast")}{mark.kind !== "alarm" && mark.text && <small> · <Told of={mark} what="text" /></small>}</li>
         ))}
-      </ul></section>}
+      </ul>{marks.length > marksShown && <p class="quiet">{say("marksMore", { count: marks.length - marksShown })}</p>}</section>}
     </section>
   );
 }

@@ -36,7 +36,8 @@ export interface JournalRow {
   user: string; comment: string; text: string;
 }
 
-export interface Mark { kind: "alarm" | "cleared" | "reference" | "model" | "valve_check"; stroke: number; name: string; text: string; german?: { name: string; text: string } }
+/** `stroke`: as many as there are of what was since the last one; `time_s`: that of the stroke where it is null. */
+export interface Mark { kind: "alarm" | "cleared" | "reference" | "model" | "valve_check"; stroke: number; time_s: MaybeNumber; name: string; text: string; german?: { name: string; text: string } }
 export interface Bins {
   first: number[]; last: number[]; run: number[]; begin_s: MaybeNumber[]; end_s: MaybeNumber[];
   low: MaybeNumber[]; high: MaybeNumber[]; mean: MaybeNumber[]; std: MaybeNumber[]; oil_temperature_K: MaybeNumber[];

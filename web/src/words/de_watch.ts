@@ -22,6 +22,8 @@ export const deWatch: typeof enWatch = {
   healthLearning: "Lernt, {learned} von {needed}",
   strokesCount: "{count} <Hub/Hübe|Episode/Episoden>",
   strokeNumber: "<Hub|Episode> {stroke}",
+  sinceLast: "seit <dem letzten Hub|der letzten Episode>",
+  marksMore: "Und {count} weitere: hineinzoomen zeigt sie.",
   strokeNumbers: "<Hübe|Episoden> {from} bis {to}",
   stroke: "<Hub|Episode>",
   lastStroke: "zuletzt {when}",

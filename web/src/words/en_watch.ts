@@ -20,6 +20,8 @@ export const enWatch = {
   healthLearning: "Learning, {learned} of {needed}",
   strokesCount: "{count} <stroke/strokes|episode/episodes>",
   strokeNumber: "<stroke|episode> {stroke}",
+  sinceLast: "since the last <stroke|episode>",
+  marksMore: "And {count} more: zoom in to see them.",
   strokeNumbers: "<strokes|episodes> {from} to {to}",
   stroke: "<stroke|episode>",
   lastStroke: "last {when}",

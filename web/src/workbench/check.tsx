@@ -62,7 +62,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
                   <th scope="row" role="rowheader">{signal.signal}</th>
                   {[shown(signal.min), shown(signal.max), signal.noise_std === null ? "–" : short(signal.noise_std * unit.factor, 2)].map((number, k) =>
                     <td key={k} role="cell" class="num" data-label={heads[k + 1]}>{number}</td>)}
-                  <td role="cell">{unitName(unit)}</td><td role="cell" data-label={heads[5]}>{flags || say("checkFine")}</td>
+                  <td role="cell" class="unit">{unitName(unit)}</td><td role="cell" data-label={heads[5]}>{flags || say("checkFine")}</td>
                 </tr>
               );
             })}

@@ -78,7 +78,7 @@ function FreeRun({ picture, compare }: { picture: StrokePicture; compare: Compar
   return (
     <>
       <p>{say("freeRunText")} {compare.free_run_bar !== null && `${amount(compare.free_run_bar, "bar")} rms`}</p>
-      <Plot label={`${say("freeRun")}: ${say("compareStroke")} ${picture.stroke}`} x={data.x} values={data.values} height={300} xLabel={`${say("time")} (s)`} yLabel={nameOf(run.unit)}
+      <Plot label={`${say("freeRun")}: ${say("compareStroke")} ${picture.stroke}`} x={data.x} values={data.values} height={300} xLabel={`${say("time")} (s)`} yLabel={`${run.signal} (${nameOf(run.unit)})`}
         lines={[{ label: say("measured"), color: pageColor("--line-measured"), width: 1.2 }, { label: say("modelled"), color: pageColor("--line-a"), width: 2 }]} />
     </>
   );

@@ -1,6 +1,6 @@
 import { useRef, useState } from "preact/hooks";
 import type { ErrorMap, MapCell } from "../types";
-import { amount, nameOf, short, shownNumber } from "../units";
+import { amount, full, nameOf, short, shownNumber } from "../units";
 import { useWords } from "../words";
 import { axisName, regionText, useRangeWords, useSignalName, type Range } from "./region";
 
@@ -65,7 +65,7 @@ export function HeatMap({ map, unit, region, choose }: Props) {
               onPointerEnter={() => { if (brush) setBrush({ ...brush, to: place }); }}
               onClick={(e) => { if (e.detail === 0 || (e as unknown as PointerEvent).pointerType !== "mouse") take({ from: e.shiftKey ? last.current : place, to: place }); }}>
               <span class="unseen">{words}</span>
-              {cell.windows > 0 && <><b aria-hidden="true">{cell.above_floor ? short(shownNumber(cell.rms, unit), 2) : ""}</b><small aria-hidden="true">{cell.windows}</small></>}
+              {cell.windows > 0 && <><b aria-hidden="true">{cell.above_floor ? full(shownNumber(cell.rms, unit), 2) : ""}</b><small aria-hidden="true">{cell.windows}</small></>}
             </button>
           );
         })}

@@ -29,7 +29,7 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
       <HeatMap map={map} unit={map.error_unit ?? compare.unit} region={region} choose={(next) => setUrl({ region: regionText(next) })} />
       {region.length > 0 && <p class="region" data-region>
         <button class="primary" onClick={() => setUrl({ step: "compare" })}>{say("locateShow")}</button>{" "}
-        <span>{regionWords(region, maps)}{errors && `: ${say("errorThere", { error: amount(errors.rms, errors.unit), noise: amount(errors.noise, errors.unit), windows: errors.windows, strokes: errors.strokes.length })}`}</span>{" "}
+        <span>{regionWords(region, maps)}{errors && `. ${say("errorThere", { error: amount(errors.rms, errors.unit), noise: amount(errors.noise, errors.unit), windows: errors.windows, strokes: errors.strokes.length })}`}</span>{" "}
         <button class="quiet small" onClick={() => setUrl({ region: "" })}>{say("locateClear")}</button></p>}
       {compare.located.length > 0 && <>
         <h2>{say("locateMost")}</h2>

@@ -11,13 +11,14 @@ export function Scroll({ label, children }: { label: string; children: Component
 
 /** A table whose rows become cards where the window is narrow. A row begins with what it is about. */
 export function CardTable({ label, heads, rows, keys }: { label: string; heads: string[]; rows: ComponentChildren[][]; keys?: string[] }) {
+  const align = heads.map((_, c) => (rows.every((row) => typeof row[c] === "number") ? "num" : undefined));
   return (
     <Scroll label={label}><table class="cards labelled" role="table">
-      <thead><tr role="row">{heads.map((head) => <th key={head} scope="col" role="columnheader">{head}</th>)}</tr></thead>
+      <thead><tr role="row">{heads.map((head, c) => <th key={head} scope="col" role="columnheader" class={align[c]}>{head}</th>)}</tr></thead>
       <tbody>{rows.map((row, k) => (
         <tr key={keys?.[k] ?? k} role="row">{row.map((cell, c) => (c === 0
           ? <th key={c} scope="row" role="rowheader" class="leads">{cell}</th>
-          : <td key={c} role="cell" data-label={heads[c]}>{cell}</td>))}</tr>))}</tbody>
+          : <td key={c} role="cell" class={align[c]} data-label={heads[c]}>{cell}</td>))}</tr>))}</tbody>
     </table></Scroll>
   );
 }

@@ -2,7 +2,7 @@ import type { ComponentChild } from "preact";
 import { useState } from "preact/hooks";
 import type { Effect, ExplainResult, Parameter, Ranked, RegionErrors } from "../types";
 import { Told } from "../told";
-import { nameOf, short, shownNumber, withInterval, type Units } from "../units";
+import { full, nameOf, shownNumber, type Units, withInterval } from "../units";
 import { useWords } from "../words";
 import { Scroll, TitleOf } from "./parts";
 
@@ -35,7 +35,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
                   <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && "\u00a0*"}</button></th>
-                  <td role="cell">{ranked.fitted === false && "~"}{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
+                  <td role="cell">{ranked.fitted === false && "~"}{full(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
                   {sized && <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>}
                 </tr>
               ))}
