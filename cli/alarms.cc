@@ -14,6 +14,7 @@
 #include "core/contains.h"
 #include "core/counted_words.h"
 #include "core/printable.h"
+#include "core/shell_word.h"
 #include "core/time_text.h"
 #include "host/real_clock.h"
 #include "live/service_socket.h"
@@ -125,7 +126,8 @@ Status List(const AlarmsArguments& a) {
                         Printable(alarm.text));
   }
   if (!alarms.empty())
-    text += "acknowledge with `hydroscope alarms --db " + a.db + " ack NUMBER`, or by name MACHINE/ALARM\n";
+    text += "acknowledge with `hydroscope alarms --db " + ShellWord(a.db) +
+            " ack NUMBER`, or by name MACHINE/ALARM\n";
   return Answer(text, document, a.json);
 }
 
@@ -149,7 +151,7 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
   if (found.size() > 1) return UsageError("several machines have {}; say MACHINE/{}", a.alarm, a.alarm);
   return UsageError(
       "no {} alarm {}; `hydroscope alarms --db {} {}",
-      number || which == Which::kStanding ? "standing" : "known", a.alarm, a.db,
+      number || which == Which::kStanding ? "standing" : "known", a.alarm, ShellWord(a.db),
       number || which == Which::kStanding ? "list` shows them" : "journal` shows those that ever stood");
 }
 

@@ -9,6 +9,7 @@
 
 #include "cli/command_answer.h"
 #include "cli/commands.h"
+#include "core/shell_word.h"
 #include "core/shown_width.h"
 #include "host/output.h"
 #include "host/text_sink.h"
@@ -59,7 +60,8 @@ std::string ReportText(const InitArguments& arguments, const MachineProposal& pr
   for (const Told& line : proposal.open) text += "  " + line.english + "\n";
   if (!arguments.out.empty())
     text += fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
-                        NextCommand(KindOf(proposal.machine)), arguments.log, arguments.out);
+                        NextCommand(KindOf(proposal.machine)), ShellWord(arguments.log),
+                        ShellWord(arguments.out));
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include "cli/old_database.h"
 #include "cli/trend_output.h"
 #include "core/contains.h"
+#include "core/shell_word.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "storage/database.h"
@@ -40,7 +41,7 @@ Result<std::vector<std::string>> NamedOrAll(const TrendsArguments& a, const Data
   const auto names = TRY(database.MachineNames());
   if (names.empty())
     return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
-                    a.db, a.db);
+                    a.db, ShellWord(a.db));
   if (!a.machine.empty()) {
     if (!Contains(names, a.machine))
       return BadInput("{} has no machine \"{}\"; it holds: {}{}", a.db, a.machine, Listed(names),

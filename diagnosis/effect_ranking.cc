@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/contains.h"
 #include "core/distributions.h"
 #include "core/quantile.h"
 #include "diagnosis/moved_parameter.h"
@@ -34,8 +35,7 @@ bool Uses(const CandidateModel& model, int effect) {
 
 /// A law that is confused with `simpler` and has more free numbers: a leak that grows with the temperature, and a leak.
 bool IsFreerThan(const Effect& law, const Effect& simpler) {
-  return FreeNumbers(law) > FreeNumbers(simpler) &&
-         std::find(law.confused_with.begin(), law.confused_with.end(), simpler.id) != law.confused_with.end();
+  return FreeNumbers(law) > FreeNumbers(simpler) && Contains(law.confused_with, simpler.id);
 }
 
 /// Effect::Twin::least that a law asks of a twin.
@@ -58,7 +58,7 @@ void BestFirst(std::vector<RankedEffect>& ranking) {
 
 bool AreConfused(const Effect& a, const Effect& b) {
   const auto says = [](const Effect& one, const Effect& other) {
-    return std::find(one.confused_with.begin(), one.confused_with.end(), other.id) != one.confused_with.end();
+    return Contains(one.confused_with, other.id);
   };
   return says(a, b) || says(b, a);
 }
@@ -90,7 +90,7 @@ Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b) {
 std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view id) {
   std::vector<std::string> twins;
   const auto add = [&](const std::string& twin) {
-    if (std::find(twins.begin(), twins.end(), twin) == twins.end()) twins.push_back(twin);
+    if (!Contains(twins, twin)) twins.push_back(twin);
   };
   for (const auto* effects : {&model.effects, &model.sample_effects})
     for (const auto& effect : *effects)
@@ -265,8 +265,7 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
   std::vector<RankedEffect> ranking;
   for (int e = 0; e < static_cast<int>(strokes_.model().effects.size()); ++e) {
     const std::string& id = strokes_.model().effects[e]->id;
-    const bool excluded =
-        std::find(options_.exclude.begin(), options_.exclude.end(), id) != options_.exclude.end();
+    const bool excluded = Contains(options_.exclude, id);
     if (!Uses(on, e) && !excluded && !strokes_.model().effects[e]->generic) ranking.push_back(Try(on, e));
   }
   RefuteByTwins(ranking);

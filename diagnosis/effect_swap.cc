@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/subset_search.h"
 
@@ -43,7 +44,7 @@ std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_i
                                   const Explanation& without) {
   if (!without.base.solved) return std::nullopt;
   const std::vector<std::string> in = Found(without);
-  if (std::find(in.begin(), in.end(), id) != in.end()) return std::nullopt;
+  if (Contains(in, id)) return std::nullopt;
   const double before = as_it_is.base.rms_holdout, after = without.final.rms_holdout;
   const EffectSwap swap{id, in, before, after};
   const bool as_well = after <= (1 + kSameError) * as_it_is.final.rms_holdout &&

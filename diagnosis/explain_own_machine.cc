@@ -26,7 +26,7 @@ Effects Added(const CandidateModel& model, std::size_t started) {
 Effects Without(const Effects& all, const Effects& shared) {
   Effects out;
   for (const int e : all)
-    if (std::find(shared.begin(), shared.end(), e) == shared.end()) out.push_back(e);
+    if (!Contains(shared, e)) out.push_back(e);
   return out;
 }
 
@@ -75,8 +75,7 @@ class OwnMachineExplainer {
     for (int e = 0; e < static_cast<int>(library.size()); ++e) {
       const bool used = std::any_of(start_.choices.begin(), start_.choices.end(),
                                     [&](const EffectChoice& c) { return c.effect == e; });
-      const bool excluded = std::find(options_.exclude.begin(), options_.exclude.end(), library[e]->id) !=
-                            options_.exclude.end();
+      const bool excluded = Contains(options_.exclude, library[e]->id);
       if (!used && !excluded && !library[e]->generic) out.push_back(e);
     }
     return out;
@@ -234,8 +233,7 @@ class OwnMachineExplainer {
       for (std::size_t k = 0; k < instead.size() && k < missing.size(); ++k) {
         auto& group =
             groups[static_cast<std::size_t>(std::find(best.begin(), best.end(), missing[k]) - best.begin())];
-        if (std::find(group.begin(), group.end(), Id(instead[k])) == group.end())
-          group.push_back(Id(instead[k]));
+        if (!Contains(group, Id(instead[k]))) group.push_back(Id(instead[k]));
       }
     }
     return groups;
@@ -253,7 +251,7 @@ class OwnMachineExplainer {
     for (const auto& group : out.groups)
       for (const std::string& id : group) {
         ambiguous = ambiguous || group.size() > 1;
-        if (std::find(out.set.begin(), out.set.end(), id) == out.set.end()) out.set.push_back(id);
+        if (!Contains(out.set, id)) out.set.push_back(id);
       }
     out.verdict = ambiguous ? Verdict::kAmbiguous : Verdict::kNamed;
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/contains.h"
 #include "core/non_negative.h"
 #include "estimation/decompositions.h"
 
@@ -209,7 +210,7 @@ StrokeSet StrokeSet::Only(std::span<const std::size_t> strokes) const {
 std::optional<StrokeSet> StrokeSet::Comparable() const {
   std::vector<std::size_t> good;
   for (std::size_t s = 0; s < strokes_.size(); ++s)
-    if (std::ranges::find(strokes_[s]->bad, true) == strokes_[s]->bad.end()) good.push_back(s);
+    if (!Contains(strokes_[s]->bad, true)) good.push_back(s);
   if (good.size() == strokes_.size() || good.size() < kLeastStrokes || 2 * good.size() < strokes_.size())
     return std::nullopt;
   return Only(good);
@@ -223,7 +224,7 @@ StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
   for (const EffectChoice& choice : everywhere)
     for (const int column : model_->effect_shapes[choice.effect][choice.shape].columns) kept[column] = true;
   for (std::size_t s = 0; s < strokes_.size(); ++s) {
-    if (std::find(strokes.begin(), strokes.end(), s) != strokes.end()) continue;
+    if (Contains(strokes, s)) continue;
     Stroke without = *strokes_[s];
     for (std::size_t c = 0; c < kept.size(); ++c) {
       if (kept[c]) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
 
 namespace hydroscope {
@@ -14,9 +15,7 @@ CandidateModel AtAllShapes(const StrokeSet& strokes, const std::vector<EffectCho
   for (const EffectChoice& choice : choices) {
     const auto grid = static_cast<int>(strokes.model().effects[choice.effect]->grid.size());
     for (int shape = 0; shape < grid; ++shape) {
-      if (std::find(model.choices.begin(), model.choices.end(), EffectChoice{choice.effect, shape}) !=
-          model.choices.end())
-        continue;
+      if (Contains(model.choices, EffectChoice{choice.effect, shape})) continue;
       std::vector<EffectChoice> more = model.choices;
       more.push_back({choice.effect, shape});
       ExtendedFit fit = strokes.Fit(more);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/contains.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -211,7 +212,7 @@ class Subsets {
                         less);
       for (std::size_t k = 0; k < count; ++k) {
         const Members tuned = screen_.Tuned(solved[k].members);
-        if (std::find(out.begin(), out.end(), tuned) == out.end()) out.push_back(tuned);
+        if (!Contains(out, tuned)) out.push_back(tuned);
       }
     };
     take([](const Solved& a, const Solved& b) { return a.removed > b.removed; });

@@ -67,18 +67,24 @@ WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
   return w;
 }
 
-std::vector<std::string> WindowSamples::Clamps(const WindowSpec& spec, double period) {
+std::vector<Told> WindowSamples::Clamps(const WindowSpec& spec, double period) {
   const WindowSamples taken = From(spec, period);
   const double block = taken.block * period;
-  std::vector<std::string> said;
-  const auto say = [&](const char* key, double asked, double used, const char* why) {
+  std::vector<Told> said;
+  const auto say = [&](const char* key, double asked, double used, const Told& why) {
     constexpr double kRounded = 1.5;  // to whole rows or blocks: half of one more than asked is no news
     if (used > kRounded * asked)
-      said.push_back(fmt::format("[window] {} = {:.4g} s is taken as {:.4g} s: {}", key, asked, used, why));
+      said.push_back(
+          Tell("rows are far apart: {} = {:.4g} s of [window] is taken as {:.4g} s, since {}",
+               "Die Zeilen liegen weit auseinander: {} = {:.4g} s aus [window] gilt als {:.4g} s, denn {}",
+               key, asked, used, why));
   };
-  say("block", spec.block, block, "a block holds at least four rows");
-  say("span", spec.span, taken.span * block, "a span holds at least five blocks");
-  say("half_width", spec.half_width, taken.half_window * block, "it holds at least one block");
+  say("block", spec.block, block,
+      {"a block holds at least four rows", "ein Block hat mindestens vier Zeilen"});
+  say("span", spec.span, taken.span * block,
+      {"a span holds at least five blocks", "eine Spanne hat mindestens fünf Blöcke"});
+  say("half_width", spec.half_width, taken.half_window * block,
+      {"it holds at least one block", "sie hat mindestens einen Block"});
   return said;
 }
 

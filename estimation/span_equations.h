@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "models/model_structure.h"
 
 namespace hydroscope {
@@ -50,7 +51,7 @@ struct WindowSamples {
   bool level_form = false;  ///< of ModelStructure
   static WindowSamples From(const WindowSpec& spec, double period);
   /// What From makes larger than `spec` asks for, one sentence each.
-  static std::vector<std::string> Clamps(const WindowSpec& spec, double period);
+  static std::vector<Told> Clamps(const WindowSpec& spec, double period);
   /// Variance of a window of the flow form per variance of a block mean: the difference of two means of h
   /// block levels, h blocks apart, has 2 / (h^3 T_block^2); in the level form the mean of 2 h blocks has 1 /
   /// (2 h).

@@ -419,7 +419,13 @@ TEST(WindowSamples, SayWhatTheyTakeLargerThanAskedFor) {
   EXPECT_TRUE(WindowSamples::Clamps(asked, 0.002).empty());
   const auto said = WindowSamples::Clamps(asked, 0.05);
   ASSERT_EQ(said.size(), 3u);
-  EXPECT_EQ(said[0], "[window] block = 0.02 s is taken as 0.2 s: a block holds at least four rows");
+  EXPECT_EQ(
+      said[0].english,
+      "rows are far apart: block = 0.02 s of [window] is taken as 0.2 s, since a block holds at least four rows");
+  EXPECT_EQ(
+      said[0].german,
+      "Die Zeilen liegen weit auseinander: block = 0,02 s aus [window] gilt als 0,2 s, denn ein Block hat "
+      "mindestens vier Zeilen");
 }
 
 TEST(StrokeSegmenter, TheGateMayLookAtASignalTheModelDoesNotRead) {

@@ -9,6 +9,7 @@
 #include "core/counted_words.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/shell_word.h"
 #include "core/short_number.h"
 #include "core/units.h"
 #include "models/counted_words.h"
@@ -137,7 +138,7 @@ std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
   if (!outcome.report.empty())
     return text +
            fmt::format("report:   {}\nnext:     open {} in a browser\n", outcome.report, outcome.report);
-  return text + fmt::format("next:     hydroscope trends --db {}\n", options.database);
+  return text + fmt::format("next:     hydroscope trends --db {}\n", ShellWord(options.database));
 }
 
 nlohmann::json LogJson(const LogReplay& r) {
@@ -184,7 +185,7 @@ std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch, c
                            watch.reference_version, watch.health, watch.health_text,
                            watch.alarms.empty() ? "no alarm stands" : "alarms:");
   text += AlarmTable(watch.alarms);
-  if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
+  if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + ShellWord(options.database) + "\n";
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/shell_word.h"
 #include "models/counted_words.h"
 #include "report/explain_report.h"
 #include "workbench/explain/explain_stored.h"
@@ -12,7 +13,7 @@ void AddStoredExplanation(const Database& database, const std::string& path, con
                           const Machine& machine, ReportInput& report) {
   auto stored = ExplainStored(database, path, part, machine, report.alarms);
   if (!stored) return;
-  stored->now().target = fmt::format("--db {}", path);
+  stored->now().target = "--db " + ShellWord(path);
   AddExplanation(stored->now(), ChangeSentence(*stored, CountedWordsOf(machine)), report);
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/secret_file.h"
+#include "core/shell_word.h"
 #include "core/told_error.h"
 #include "storage/connection.h"
 
@@ -110,7 +111,7 @@ Result<AccessStore> AccessStore::OpenExisting(const std::string& database) {
   if (std::filesystem::exists(path, ignored)) return Open(database);
   return BadInput(
       "there are no users yet ({}); make one with `hydroscope users --db {} add NAME --role admin`", path,
-      database);
+      ShellWord(database));
 }
 
 Result<std::vector<StoredUser>> AccessStore::Users() const {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/shell_word.h"
 #include "core/told_error.h"
 #include "storage/connection.h"
 #include "storage/schema.h"
@@ -92,7 +93,7 @@ Result<Database> Database::OpenReadOnly(const std::string& path) {
     return BadInput(
         Tell("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
              "es gibt keine Datenbank {}; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
-             path));
+             ShellWord(path)));
   auto impl = TRY(OpenForReading<Impl>(path, CheckForReading));
   return Database(std::move(impl));
 }

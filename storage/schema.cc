@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/shell_word.h"
 #include "core/told_error.h"
 
 namespace hydroscope {
@@ -310,7 +311,7 @@ Status CheckForReading(SQLite::Database& db, const std::string& path) {
     return BadInput(
         Tell("{} is an empty database; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
              "{} ist eine leere Datenbank; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
-             path));
+             ShellWord(path)));
   TRY(CheckOurs(kind, path));
   if (kind.version < kFormatVersion)
     return BadInput(

@@ -214,7 +214,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     if (const Told coarse = CoarseTimeStamps(reader->counters(), machine.signals.size()); !coarse.empty())
       check.hints.insert(check.hints.begin(), coarse);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
-    for (const std::string& clamp : clamps) check.hints.push_back({clamp, ""});
+    check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
   } else {
     if (KindOf(machine).has_states) TakeStatesFit(log, check);
     check.hints = PlausibilityHints(check);

@@ -10,6 +10,7 @@
 #include "core/counted_words.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/shell_word.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/units.h"
@@ -216,7 +217,8 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
                      : fits                              ? "fit"
                                                          : nullptr;
   if (next != nullptr)
-    text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, check.log, machine_file);
+    text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, ShellWord(check.log),
+                        ShellWord(machine_file));
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/contains.h"
 #include "core/non_negative.h"
 #include "core/quantile.h"
 #include "diagnosis/drift/drift_thresholds.h"
@@ -198,7 +199,7 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
     int best = -1;
     double most = gained;
     for (int q = 0; q < n; ++q) {
-      if (std::find(moved.begin(), moved.end(), q) != moved.end()) continue;
+      if (Contains(moved, q)) continue;
       std::vector<int> set = moved;
       set.push_back(q);
       const double gain = Gain(sums, set, sizes);

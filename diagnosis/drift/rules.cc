@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
+
 namespace hydroscope::drift {
 
 DriftSize WatchSpec::Sizes(double typical) const {
@@ -19,9 +21,8 @@ bool Rule::Matches(const std::map<std::string, int>& moved) const {
     if (movement == Movement::kUp && found->second < 0) return false;
     if (movement == Movement::kDown && found->second > 0) return false;
   }
-  return std::all_of(moved.begin(), moved.end(), [&](const auto& m) {
-    return when.contains(m.first) || std::find(may.begin(), may.end(), m.first) != may.end();
-  });
+  return std::all_of(moved.begin(), moved.end(),
+                     [&](const auto& m) { return when.contains(m.first) || Contains(may, m.first); });
 }
 
 const WatchSpec* RuleBook::Find(const std::string& quantity) const {

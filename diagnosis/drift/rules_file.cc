@@ -1,10 +1,10 @@
 #include <toml++/toml.h>
 
-#include <algorithm>
 #include <fstream>
 #include <set>
 #include <sstream>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "diagnosis/drift/default_rules.h"
 #include "diagnosis/drift/rules.h"
@@ -86,7 +86,7 @@ void ReadRule(const toml::table& source, std::size_t number, const std::vector<s
     table.Wrong("when", "at least one movement, e.g. { K = \"down\" }");
   table.Texts("may", rule.may);
   for (const std::string& name : rule.may)
-    if (std::find(quantities.begin(), quantities.end(), name) == quantities.end())
+    if (!Contains(quantities, name))
       table.Wrong("may", fmt::format("{}watched quantities: {}", DidYouMean(name, quantities).english,
                                      Listed(quantities)));
   if (const auto choice = table.Choice("severity", {"advisory", "warning", "alarm"}))

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "models/effect.h"
@@ -51,7 +52,7 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   }
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];
-    if (std::find(effects.begin(), effects.end(), effect.id) == effects.end()) continue;
+    if (!Contains(effects, effect.id)) continue;
     if (model->effect_shapes[e].empty()) continue;
     const EffectShape& shape = model->effect_shapes[e].front();
     if (shape.columns.size() != 1 || !effect.nonlinear.empty()) continue;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "core/contains.h"
 #include "diagnosis/experiment/rival_separation.h"
 #include "diagnosis/refine.h"
 
@@ -102,8 +103,7 @@ class OpenQuestion {
     for (std::size_t p = 0; p < rivals_.pairs().size(); ++p) {
       const Rivals::Pair& pair = rivals_.pairs()[p];
       const std::string& id = rivals_.id(pair.a);
-      if (!told_[candidate][p] && !pair.watched && std::find(ids.begin(), ids.end(), id) == ids.end())
-        ids.push_back(id);
+      if (!told_[candidate][p] && !pair.watched && !Contains(ids, id)) ids.push_back(id);
     }
   }
 

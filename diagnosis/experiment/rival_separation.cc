@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/refine.h"
 #include "estimation/decompositions.h"
@@ -25,7 +26,7 @@ std::vector<int> WatchedOf(const Explanation& explanation) {
   const auto& group = explanation.groups.front();
   for (const RankedEffect& r : explanation.ranking)
     if (r.fit.solved && r.gain > kExperiment.watched * explanation.ranking.front().gain &&
-        std::find(group.begin(), group.end(), r.id) == group.end())
+        !Contains(group, r.id))
       watched.push_back(r.effect);
   return watched;
 }
@@ -72,7 +73,7 @@ RivalModel RivalModelOf(const Explanation& explanation, std::size_t group) {
       for (const EffectShape& shape : explanation.model->effect_shapes[effect])
         AddShape(structure, effect, shape.nonlinear, shape.on);
   for (const EffectChoice& choice : explanation.chosen) {
-    if (std::find(out.rivals.begin(), out.rivals.end(), choice.effect) != out.rivals.end()) continue;
+    if (Contains(out.rivals, choice.effect)) continue;
     const EffectShape& shape = explanation.model->effect_shapes[choice.effect][choice.shape];
     AddShape(structure, choice.effect, shape.nonlinear, shape.on);
     out.others.push_back({choice.effect, 0});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "models/state_effects.h"
 #include "models/state_names.h"
 
@@ -10,9 +11,7 @@ namespace hydroscope {
 AddedEffect::AddedEffect(const StateModel& near, const StateModel& with, const Eigen::VectorXd& own)
     : near_(near), with_(with), own_(RegistersOf(near, own)) {
   for (const Effect& effect : StateEffectsOf(with.machine)) {
-    const auto has = [&](const StateModel& model) {
-      return std::find(model.effects.begin(), model.effects.end(), effect.id) != model.effects.end();
-    };
+    const auto has = [&](const StateModel& model) { return Contains(model.effects, effect.id); };
     if (!has(with) || has(near)) continue;
     for (const TermSpec& term : effect.adds) {
       const int state = StateIndex(with.machine, term.parameter);

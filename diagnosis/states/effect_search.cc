@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "diagnosis/states/found_sets.h"
 #include "diagnosis/states/law_terms.h"
@@ -56,9 +57,7 @@ class EffectSearch {
     out_.final = out_.base;
     out_.final_left = out_.base_left;
     for (const Effect& effect : StateEffectsOf(machine_))
-      if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
-          machine_.added_effects.end())
-        ids_.push_back(effect.id);
+      if (!Contains(machine_.added_effects, effect.id)) ids_.push_back(effect.id);
     for (int size = 1; size <= options_.max_effects && static_cast<std::size_t>(size) <= ids_.size();
          ++size) {
       if (size > 1 && !out_.final_left.structured) break;
@@ -74,7 +73,7 @@ class EffectSearch {
     for (std::size_t b = 0; b < before.size() && static_cast<int>(b) < options_.beam; ++b)
       for (const std::string& id : ids_) {
         std::vector<std::string> added = before[b].added;
-        if (std::find(added.begin(), added.end(), id) != added.end()) continue;
+        if (Contains(added, id)) continue;
         added.push_back(id);
         std::vector<std::string> sorted = added;
         std::sort(sorted.begin(), sorted.end());

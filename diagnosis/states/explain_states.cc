@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/state_limit.h"
@@ -250,7 +251,7 @@ double StatesExplanation::SlowShare() const {
 
 void StatesExplanation::AddRival(StateCandidate rival) {
   const auto holds = [](const std::vector<std::string>& ids, const std::string& id) {
-    return std::find(ids.begin(), ids.end(), id) != ids.end();
+    return Contains(ids, id);
   };
   for (const std::string& id : rival.added) {
     if (holds(set, id)) continue;

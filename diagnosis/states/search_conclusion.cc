@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/contains.h"
 #include "diagnosis/states/general_laws.h"
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
@@ -77,7 +78,7 @@ class SearchConclusion {
   double RemovedBeyondShared(const StateCandidate& other) {
     double shared = out_.base.held_out;
     for (const std::string& id : out_.final.added) {
-      if (std::find(other.added.begin(), other.added.end(), id) != other.added.end()) continue;
+      if (Contains(other.added, id)) continue;
       const StateCandidate& without = found_.Without(id);
       if (without.fitted()) shared = std::min(shared, without.held_out);
     }
@@ -150,8 +151,7 @@ class SearchConclusion {
       if (std::none_of(all.added.begin(), all.added.end(), stands_in) || !TakeFewer(levels_.size() - 2))
         return;
       for (const std::string& id : all.added) {
-        if (std::find(out_.final.added.begin(), out_.final.added.end(), id) != out_.final.added.end())
-          continue;
+        if (Contains(out_.final.added, id)) continue;
         out_.nearest.push_back(id);
         const double removed = out_.final.held_out - all.held_out;
         out_.warnings.push_back(
@@ -231,7 +231,7 @@ class SearchConclusion {
     if (out_.final.added.empty()) return;
     std::erase_if(out_.not_seen, [this](const auto& unseen) {
       std::vector<std::string> added = out_.final.added;
-      if (std::find(added.begin(), added.end(), unseen.first) != added.end()) return true;
+      if (Contains(added, unseen.first)) return true;
       added.push_back(unseen.first);
       const auto contender = found_.fits->Screened(added, out_.final);
       return contender && contender->seen == EffectSeen::kYes;
@@ -252,7 +252,7 @@ void ConcludeSearch(FoundSets& found) { SearchConclusion(found).Conclude(); }
 
 void AddOverWhole(std::span<const Told> of_whole, std::vector<Told>& told) {
   for (const Told& sentence : of_whole)
-    if (std::ranges::find(told, sentence) == told.end())
+    if (!Contains(told, sentence))
       told.push_back(Tell("over whole episodes: {}", "über ganze Episoden: {}", sentence));
 }
 

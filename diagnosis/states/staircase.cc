@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
+
 namespace hydroscope {
 namespace {
 
-bool HoldsEffect(const StateCandidate& set, const std::string& id) {
-  return std::find(set.added.begin(), set.added.end(), id) != set.added.end();
-}
+bool HoldsEffect(const StateCandidate& set, const std::string& id) { return Contains(set.added, id); }
 bool HoldsAll(const StateCandidate& all, const StateCandidate& some) {
   return std::all_of(some.added.begin(), some.added.end(),
                      [&](const std::string& id) { return HoldsEffect(all, id); });

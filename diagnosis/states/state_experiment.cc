@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/contains.h"
 #include "diagnosis/experiment/rival_separation.h"
 #include "diagnosis/states/tangent.h"
 #include "estimation/decompositions.h"
@@ -164,7 +165,7 @@ class ExperimentSearch {
     double worst = 0;
     for (int p = 0; p < fit.model->parameter_count(); ++p) {
       const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
-      if (std::find(out_.unseen.begin(), out_.unseen.end(), parameter.name) == out_.unseen.end()) continue;
+      if (!Contains(out_.unseen, parameter.name)) continue;
       const double relative = std::max(std::abs(fit.parameters[p]), 1e-300);
       worst = std::max(worst, size[p] * std::sqrt(std::max(0.0, inverse(p, p))) / relative);
     }

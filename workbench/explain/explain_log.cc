@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/contains.h"
+#include "core/shell_word.h"
 #include "core/told_error.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -279,7 +280,7 @@ Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const st
     return tl::unexpected(Error{out.error().kind,
                                 fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text),
                                 out.error().german});
-  out->target = "--machine " + machine_file;
+  out->target = "--machine " + ShellWord(machine_file);
   return out;
 }
 

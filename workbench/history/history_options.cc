@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/shell_word.h"
+
 namespace hydroscope {
 
 void AddHistoryOptions(CLI::App& command, HistoryOptions& o) {
@@ -25,10 +27,11 @@ Result<ChosenHistory> OpenHistory(const HistoryOptions& options, const std::stri
     }
     const auto machine =
         TRY(machine_file.empty() ? StoredMachine(out.database, options.db, part) : LoadMachine(machine_file));
-    const std::string target = !machine_file.empty() ? "--machine " + machine_file
-                               : parts.size() > 1
-                                   ? fmt::format("--db {} --machine-name '{}'", options.db, part.machine)
-                                   : "--db " + options.db;
+    const std::string target =
+        !machine_file.empty() ? "--machine " + ShellWord(machine_file)
+        : parts.size() > 1
+            ? fmt::format("--db {} --machine-name {}", ShellWord(options.db), ShellWord(part.machine))
+            : "--db " + ShellWord(options.db);
     out.choices.push_back({{part}, machine, target});
   }
   return out;

@@ -10,6 +10,7 @@
 
 #include "core/contains.h"
 #include "core/finite_number.h"
+#include "core/shell_word.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "models/counted_words.h"
@@ -216,7 +217,7 @@ Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::s
     return BadInput(
         Tell("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
              "{} enthält noch keine Maschine; füllen mit `hydroscope replay LOG --machine M.toml --db {}`",
-             path, path));
+             path, ShellWord(path)));
   std::vector<HistoryPart> parts;
   for (const std::string& name : names.empty() ? known : names) {
     if (!Contains(known, name)) {
@@ -296,7 +297,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
     return BadInput(
         Tell("{}: no {} in the chosen part of the history; `hydroscope trends --db {}` shows what it holds",
              "{}: keine {} im gewählten Teil der Geschichte; `hydroscope trends --db {}` zeigt, was da ist",
-             path, CountedWordsOf(machine).many, path));
+             path, CountedWordsOf(machine).many, ShellWord(path)));
   double period = machine.log.sample_period.value_or(0.0);
   for (const HistoryPart& part : parts) TRY(CheckRuns(database, part, period, history));
   if (!(period > 0) && machine.live) period = machine.live->grid_period;  // its first run goes on

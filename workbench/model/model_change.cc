@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "core/counted_words.h"
+#include "core/shell_word.h"
 #include "core/short_number.h"
 #include "core/told_error.h"
 #include "host/text_file.h"
@@ -109,7 +110,7 @@ std::string EvidenceHint(const Evidence& evidence, const std::string& path) {
              ? ""
              : fmt::format(
                    "Not judged on data yet. See the error with it: hydroscope compare LOG --machine {}\n",
-                   path);
+                   ShellWord(path));
 }
 
 /// The errors on the log held out, and what speaks against adding there.
@@ -186,7 +187,7 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
       fmt::format("{}: model version {} of {}, {}\n{}\nMake it the model of replay and monitor: hydroscope "
                   "model promote --db {}\n",
                   change.history.db, stored, part.machine, next.model_history.back().name, LastStepText(next),
-                  change.history.db),
+                  ShellWord(change.history.db)),
       change.history.db, false};
   TellError(machine, next, evidence, change.effect, changed);
   return changed;

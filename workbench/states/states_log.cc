@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/shell_word.h"
 #include "core/told_error.h"
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/held_out_run.h"
@@ -211,7 +212,7 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   const auto machine = TRY(LoadMachine(machine_file));
   auto log = TRY(ReadEpisodes(logs, machine));
   auto out = ExplainReadEpisodes(std::move(log));
-  if (out) out->target = "--machine " + machine_file;
+  if (out) out->target = "--machine " + ShellWord(machine_file);
   return out;
 }
 
