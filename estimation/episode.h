@@ -19,9 +19,6 @@ struct Episode {
   RowMatrix signal;            ///< row x signal of the machine, SI; an output that is no good reading is NaN
   /// Above 1, an even number: outputs have a reading at each so many rows, their mean since the reading before.
   int mean_rows = 1;
-  /// Where readings are means: what of each output repeats with the shaft, at the rows, lines (of inputs that are held: levels)
-  /// between them; row x signal, empty where nothing does.
-  RowMatrix ripple = {};
 
   int rows() const { return static_cast<int>(time.size()); }
   /// At a row, or where readings are means the first from there on; NaN if there is none.
@@ -32,16 +29,5 @@ struct Episode {
     return std::numeric_limits<double>::quiet_NaN();
   }
 };
-
-/// `count` rows of an episode from `first` on.
-inline Episode PieceOf(const Episode& episode, std::int64_t first, std::int64_t count) {
-  Episode piece{episode.log,
-                episode.first_row + first,
-                {episode.time.begin() + first, episode.time.begin() + first + count},
-                episode.signal.middleRows(first, count),
-                episode.mean_rows};
-  if (episode.ripple.size() > 0) piece.ripple = episode.ripple.middleRows(first, count);
-  return piece;
-}
 
 }  // namespace hydroscope

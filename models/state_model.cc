@@ -74,7 +74,7 @@ class Builder {
   Result<std::shared_ptr<const StateModel>> Run() {
     TRY(TakeParameters());
     TakeSignals();
-    TakeCalls();
+    TakeDelays();
     NumberNames();
     BuildDynamics();
     BuildLimits();
@@ -109,7 +109,7 @@ class Builder {
     return {};
   }
 
-  /// Inputs are the signals that an equation of the model or of an effect reads; of outputs ripples alone are read.
+  /// Inputs are the signals that an equation of the model or of an effect reads.
   void TakeSignals() {
     std::set<std::string> names;
     const auto read = [&](const std::string& text) {
@@ -120,8 +120,7 @@ class Builder {
     for (const Effect& effect : library_)
       for (const TermSpec& term : effect.adds) read(term.expression);
     for (std::size_t s = 0; s < machine().signals.size(); ++s)
-      if (names.contains(machine().signals[s].name) && OutputIndex(machine(), machine().signals[s].name) < 0)
-        model_.inputs.push_back(static_cast<int>(s));
+      if (names.contains(machine().signals[s].name)) model_.inputs.push_back(static_cast<int>(s));
     for (const OutputSpec& o : spec_.outputs) model_.outputs.push_back(machine().SignalIndex(o.signal));
   }
 
@@ -152,21 +151,16 @@ class Builder {
     }
     return delay;
   }
-  static bool IsCallOf(const ExpressionNode& node, const char* function) {
-    return node.kind == ExpressionNode::Kind::kCall && node.text == function;
+  static bool IsDelay(const ExpressionNode& node) {
+    return node.kind == ExpressionNode::Kind::kCall && node.text == "delay";
   }
 
-  /// What is delayed, and ripples.
-  void TakeCalls() {
+  void TakeDelays() {
     EveryEquation([&](const std::string& text, const std::string& effect) {
       Replaced(Parsed(text, machine()), [&](const ExpressionNode& node) -> Expression {
-        if (IsCallOf(node, "delay")) {
-          const DelayedInput delay = DelayOf(node, effect);
-          if (!Contains(model_.delays, delay)) model_.delays.push_back(delay);
-        } else if (IsCallOf(node, "ripple")) {
-          const int signal = machine().SignalIndex(node.args[0]->text);
-          if (!Contains(model_.ripples, signal)) model_.ripples.push_back(signal);
-        }
+        if (!IsDelay(node)) return nullptr;
+        const DelayedInput delay = DelayOf(node, effect);
+        if (!Contains(model_.delays, delay)) model_.delays.push_back(delay);
         return nullptr;
       });
     });
@@ -178,21 +172,17 @@ class Builder {
     for (const int s : model_.inputs) numbers_[machine().signals[static_cast<std::size_t>(s)].name] = next++;
     for (std::size_t d = 0; d < model_.delays.size(); ++d)
       for (const char* what : {"value", "rate", "now"}) numbers_[DelayName(d, what)] = next++;
-    for (const int s : model_.ripples)
-      numbers_[RippleName(machine().signals[static_cast<std::size_t>(s)].name)] = next++;
     first_fixed_ = next;
   }
-  /// No names of the file, which hold no space.
+  /// No name of the file, which holds no space.
   static std::string DelayName(std::size_t delay, const char* what) {
     return fmt::format("delay {} {}", delay, what);
   }
-  static std::string RippleName(const std::string& signal) { return "ripple " + signal; }
 
-  /// An equation with what is delayed in it as DelayedInput says, and ripples by their names.
+  /// An equation with what is delayed in it as DelayedInput says.
   Expression Equation(const std::string& text, const std::string& effect) const {
     return Replaced(Parsed(text, machine()), [&](const ExpressionNode& node) -> Expression {
-      if (IsCallOf(node, "ripple")) return NameNode(RippleName(node.args[0]->text));
-      if (!IsCallOf(node, "delay")) return nullptr;
+      if (!IsDelay(node)) return nullptr;
       const DelayedInput delay = DelayOf(node, effect);
       const auto at = static_cast<std::size_t>(std::find(model_.delays.begin(), model_.delays.end(), delay) -
                                                model_.delays.begin());

@@ -24,8 +24,7 @@ void AddDelayTimes(const std::vector<ParameterSpec>& parameters, ExpressionNames
 
 ExpressionNames StateNamesOf(const Machine& machine, const std::vector<ParameterSpec>& of_effect) {
   ExpressionNames names = ExpressionNamesOf(machine);
-  for (const OutputSpec& output : machine.states.outputs)
-    if (auto unit = names.units.extract(output.signal)) names.rippled.insert(std::move(unit));
+  for (const OutputSpec& output : machine.states.outputs) names.units.erase(output.signal);
   for (const SignalSpec& signal : machine.signals)
     if (OutputIndex(machine, signal.name) < 0) names.delayed.insert(signal.name);
   for (const StateSpec& state : machine.states.states) AddName(state.name, state.unit, names);

@@ -12,7 +12,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kOrders = ShaftRipple::kOrders;
-constexpr int kSlowOrders = ShaftRipple::kSlowOrders;
+constexpr int kSlowOrders = 3;       // where steps of the signal itself show
 constexpr int kFewRevolutions = 20;  // that a shape is not taken from
 constexpr double kTurn = 2 * std::numbers::pi;
 
@@ -158,14 +158,6 @@ double ShaftRipple::At(double turn) const {
   const Complex step = std::polar(1.0, kTurn * turn);
   Complex turned = 1, sum = 0;
   for (const Complex& order : shape_) sum += order * (turned *= step);
-  return 2 * SizeAt(turn) * sum.real();
-}
-
-double ShaftRipple::SlowAt(double turn, const std::array<double, kSlowOrders>& weights) const {
-  if (empty()) return 0;
-  Complex sum = 0;
-  for (std::size_t k = 0; k < weights.size(); ++k)
-    sum += shape_[k] / weights[k] * std::polar(1.0, kTurn * turn * static_cast<double>(k + 1));
   return 2 * SizeAt(turn) * sum.real();
 }
 

@@ -11,16 +11,13 @@ namespace hydroscope {
 /// tracking, Fyfe and Munck, Mechanical Systems and Signal Processing 11, 1997). Nothing where too few revolutions repeat.
 class ShaftRipple {
  public:
-  static constexpr int kOrders = 12;     ///< of the shaft, beyond the pistons of any usual pump
-  static constexpr int kSlowOrders = 3;  ///< where steps of the signal itself show, and a machine follows
+  static constexpr int kOrders = 12;  ///< of the shaft, beyond the pistons of any usual pump
 
   /// `turns`: of the shaft at each reading, from 0 on; a revolution with a reading that is not finite says nothing.
   ShaftRipple(const std::vector<double>& turns, const std::vector<double>& readings);
 
   bool empty() const { return sizes_.empty(); }
   double At(double turn) const;
-  /// Its slow orders, each over its weight.
-  double SlowAt(double turn, const std::array<double, kSlowOrders>& weights) const;
 
  private:
   double SizeAt(double turn) const;

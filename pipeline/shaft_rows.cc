@@ -107,28 +107,12 @@ ShaftRipple RippleOf(const Episode& episode, int signal, const std::vector<doubl
   return {turns, readings};
 }
 
-/// Slow orders of a ripple at the new rows. Lines between rows, and levels even more, lessen what swings: rows make up for it.
-void TakeRipple(const ShaftRipple& ripple, int signal, InputHold hold, Episode& out) {
-  if (ripple.empty()) return;
-  if (out.ripple.size() == 0) out.ripple = RowMatrix::Zero(out.rows(), out.signal.cols());
-  const bool levels = hold == InputHold::kZero;
-  std::array<double, ShaftRipple::kSlowOrders> weights;
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    const double half_row = std::numbers::pi * static_cast<double>(k + 1) / kRowsPerRevolution,
-                 of_levels = std::sin(half_row) / half_row;
-    weights[k] = levels ? of_levels : of_levels * of_levels;
-  }
-  for (int row = 0; row < out.rows(); ++row)
-    out.ripple(row, signal) = ripple.SlowAt((row + (levels ? 0.5 : 0.0)) / kRowsPerRevolution, weights);
-}
-
 /// Means over whole revolutions, at the row where each ends. Over the angle, not over time: that is what repeats with the shaft.
 /// A ripple that grows or fades within a revolution has a mean of its own: it is taken out before.
 void TakeMeans(const Episode& episode, int signal, const std::vector<double>& angle,
-               const std::vector<Place>& places, InputHold hold, Episode& out) {
+               const std::vector<Place>& places, Episode& out) {
   out.signal.col(signal).setConstant(std::numeric_limits<double>::quiet_NaN());
   const ShaftRipple ripple = RippleOf(episode, signal, angle);
-  TakeRipple(ripple, signal, hold, out);
   const auto reading = [&](int row) {
     return episode.signal(row, signal) - ripple.At(angle[row] / kRowsPerRevolution);
   };
@@ -164,7 +148,7 @@ Episode AtShaftAngles(const Episode& episode, int speed, const std::vector<int>&
   out.signal.resize(out.rows(), episode.signal.cols());
   for (int s = 0; s < episode.signal.cols(); ++s) {
     if (Contains(outputs, s))
-      TakeMeans(episode, s, angle, places, hold, out);
+      TakeMeans(episode, s, angle, places, out);
     else if (hold != InputHold::kZero)
       TakePolygon(episode, s, places, out);
     else

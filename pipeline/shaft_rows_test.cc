@@ -46,26 +46,6 @@ TEST(ShaftRows, TakesOutWhatRepeatsWithTheShaftWhileItsSpeedChanges) {
   EXPECT_LT(std::sqrt(energy / readings), 0.01) << "of a ripple of 0.75 rms";
 }
 
-/// Once per revolution, of which lines between rows make what repeats as it did.
-TEST(ShaftRows, KeepsWhatRepeatsSlowlyAsAnInput) {
-  const Episode taken = Taken(Rippled(1));
-  ASSERT_EQ(taken.ripple.rows(), taken.rows());
-  double cosine = 0;
-  const int revolutions = (taken.rows() - 1) / kRowsPerRevolution;
-  for (int row = 0; row < revolutions * kRowsPerRevolution; ++row) {
-    const double per_row = 2 * std::numbers::pi / kRowsPerRevolution;
-    // The integral of the line from this row to the next times the cosine, by Simpson's rule.
-    const auto at = [&](double share) {
-      return ((1 - share) * taken.ripple(row, 2) + share * taken.ripple(row + 1, 2)) *
-             std::cos(per_row * (row + share));
-    };
-    cosine += (at(0) + 4 * at(0.5) + at(1)) / 6;
-  }
-  EXPECT_NEAR(2 * cosine / (revolutions * kRowsPerRevolution), 0.2, 0.01);
-  EXPECT_EQ(taken.ripple.leftCols(2).cwiseAbs().maxCoeff(), 0) << "inputs have none";
-  EXPECT_EQ(Taken(Rippled(0)).ripple.size(), 0);
-}
-
 TEST(ShaftRows, LeavesAStepWithinTheRevolutionItIsIn) {
   const Episode taken = Taken(Rippled(0));
   for (int row = kRowsPerRevolution; row < taken.rows(); row += kRowsPerRevolution) {

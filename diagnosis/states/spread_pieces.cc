@@ -21,6 +21,14 @@ bool ReadsThePast(const Machine& machine) {
                      [&](const Effect& effect) { return delays({effect.id}); });
 }
 
+Episode PieceOf(const Episode& episode, std::int64_t first, std::int64_t count) {
+  return {episode.log,
+          episode.first_row + first,
+          {episode.time.begin() + first, episode.time.begin() + first + count},
+          episode.signal.middleRows(first, count),
+          episode.mean_rows};
+}
+
 }  // namespace
 
 std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) {

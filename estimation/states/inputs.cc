@@ -55,7 +55,6 @@ void StateSimulator::TakeInputs(const Episode& episode, int row) {
   for (std::size_t i = 0; i < model_->inputs.size(); ++i)
     Take(CourseOf(episode, row, model_->inputs[i], hold_), i);
   if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
-  if (!model_->ripples.empty()) TakeRipples(episode, row, 0, 1);
 }
 
 /// All inputs from one share of a row's time to another between which none of them jumps or bends (Breaks).
@@ -69,21 +68,6 @@ void StateSimulator::TakeParts(const Episode& episode, int row, double from, dou
              : PartOf(episode, model_->inputs[i], hold_, begin + from * period, begin + to * period).course,
          i);
   if (!model_->delays.empty()) TakeDelayed(episode, row, from, to);
-  if (!model_->ripples.empty()) TakeRipples(episode, row, from, to);
-}
-
-/// Ripples are those of the readings, at their own time.
-void StateSimulator::TakeRipples(const Episode& episode, int row, double from, double to) {
-  const std::size_t first = static_cast<std::size_t>(inputs_) - model_->ripples.size();
-  for (std::size_t k = 0; k < model_->ripples.size(); ++k) {
-    RowCourse course;
-    if (episode.ripple.size() > 0) {
-      const int signal = model_->ripples[k], next = std::min(row + 1, episode.rows() - 1);
-      course.begin = episode.ripple(row, signal);
-      course.end = hold_ == InputHold::kZero ? course.begin : episode.ripple(next, signal);
-    }
-    Take(course.Part(from, to), first + k);
-  }
 }
 
 void StateSimulator::Take(const RowCourse& course, std::size_t place) {

@@ -103,7 +103,6 @@ class StateSimulator {
   void TakeParts(const Episode& episode, int row, double from, double to);
   void Take(const RowCourse& course, std::size_t place);
   bool Row(const Episode& episode, int row);
-  void TakeRipples(const Episode& episode, int row, double from, double to);
   void Breaks(const Episode& episode, int row);
   void TakeDelayed(const Episode& episode, int row, double from, double to);
   bool Interval(double period);
@@ -128,7 +127,7 @@ class StateSimulator {
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
   int states_, inputs_,
-      parameters_;                ///< inputs: with what is delayed and ripples; parameters: columns of theirs
+      parameters_;                ///< inputs: with what is delayed; parameters: columns of theirs
   int wanted_ = 0, columns_ = 0;  ///< columns of sensitivities, and with what they are padded by
   InputHold hold_;
   double late_;  ///< LogFormat::outputs_late: inputs act so much later on what the rows say of outputs

@@ -157,30 +157,6 @@ TEST(StateSimulation, ADelayOfAnInputThatMovesEvenlyHasTheDerivativeOfDifference
     EXPECT_NEAR(run.slopes(row, 0), (more.outputs(row, 0) - less.outputs(row, 0)) / (2 * by), 2e-3);
 }
 
-/// x' = -2 x + what of its reading repeats with the shaft, or the input itself.
-Machine RippledLag(const std::string& driven_by, const std::string& hold) {
-  return StatesFrom(
-      "[log]\nhold = \"" + hold + "\"\n" + kSignals + "[states]\nx = { ddt = \"-k*x + 0*u + " + driven_by +
-      "\", initial = 0 }\n[outputs]\ny = \"x\"\n[parameters]\nk = { start = 2, min = 1, max = 3 }\n");
-}
-
-TEST(StateSimulation, ARippleActsLikeAnInputOfItsRows) {
-  Episode episode = Rows(80, 0.05, 0);
-  episode.mean_rows = 8;
-  episode.ripple = RowMatrix::Zero(80, 2);
-  for (int row = 0; row < 80; ++row) episode.signal(row, 0) = episode.ripple(row, 1) = std::sin(0.7 * row);
-  const Eigen::VectorXd k = Eigen::VectorXd::Constant(1, 2);
-  for (const char* hold : {"zero", "linear"}) {
-    const StateRun by_ripple = RunOf(RippledLag("ripple(y)", hold), episode, k, 0);
-    EXPECT_LT((by_ripple.states - RunOf(RippledLag("u", hold), episode, k, 0).states).norm(), 1e-9) << hold;
-    EXPECT_GT(by_ripple.states.cwiseAbs().maxCoeff(), 0.01);
-  }
-  const Episode later = PieceOf(episode, 16, 40);
-  EXPECT_EQ(later.ripple, episode.ripple.middleRows(16, 40));
-  episode.ripple.resize(0, 0);
-  EXPECT_EQ(RunOf(RippledLag("ripple(y)", "linear"), episode, k, 0).states.cwiseAbs().maxCoeff(), 0);
-}
-
 TEST(StateSimulation, SensitivitiesByInitialStatesAreTheSameWhereParametersAreKnown) {
   const Episode episode = Rows(50, 0.05, 3);
   RowMatrix all(1, 2), initial(1, 1);

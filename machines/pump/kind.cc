@@ -130,8 +130,7 @@ StatesSpec PumpStates(const Machine&) {
        .near = "(A_v*outlet_pressure - F_0)/K_v"},
       {.name = "v_p", .ddt = "(A_p*p_c - K_p*x_p - b_p*v_p)/m_p", .initial = "0", .unit = "m/s"},
       {.name = "v_v",
-       .ddt = fmt::format("(A_v*({} + ripple(outlet_pressure)) - K_v*x_v - b_v*v_v - F_0)/m_v",
-                          pump::OutletPressure()),
+       .ddt = fmt::format("(A_v*{} - K_v*x_v - b_v*v_v - F_0)/m_v", pump::OutletPressure()),
        .initial = "0",
        .unit = "m/s"},
   };

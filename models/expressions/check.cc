@@ -27,21 +27,7 @@ std::string Signals(const ExpressionNames& names) {
   return fmt::format("{}", fmt::join(list, ", "));
 }
 
-/// ripple(signal).
-Checked CheckRipple(const ExpressionNode& call, const ExpressionNames& names) {
-  const ExpressionNode& signal = *call.args[0];
-  if (signal.kind == Kind::kName && names.rippled.contains(signal.text)) return {};
-  return tl::unexpected(ExpressionError{
-      signal.at,
-      names.rippled.empty()
-          ? Told{"ripple(...) has a place only in the equations of a model with states",
-                 "ripple(...) hat nur in Gleichungen eines Modells mit Zuständen Platz"}
-          : Told{"ripple(...) is of an output, a signal that stands in [outputs]: write e.g. ripple(p)",
-                 "ripple(...) gilt einem Ausgang, einem Signal, das in [outputs] steht: z. B. ripple(p)"}});
-}
-
 Checked CheckNames(const ExpressionNode& node, const ExpressionNames& names, bool in_ddt) {
-  if (node.kind == Kind::kCall && node.text == "ripple") return CheckRipple(node, names);
   if (node.kind == Kind::kName) {
     if (!names.units.contains(node.text)) {
       std::vector<std::string> known;
@@ -241,9 +227,7 @@ ExpressionNames ExpressionNamesOf(const Machine& machine, const UserEffectSpec& 
 ExpressionResult<CheckedExpression> CheckExpression(const std::string& text, const ExpressionNames& names) {
   const auto tree = TRY(ParseExpression(text));
   if (const Checked fine = CheckNames(*tree, names, false); !fine) return tl::unexpected(fine.error());
-  NameUnits units = names.units;
-  units.insert(names.rippled.begin(), names.rippled.end());
-  const auto unit = TRY(UnitOf(*tree, units));
+  const auto unit = TRY(UnitOf(*tree, names.units));
   if (const Checked fine = CheckDelays(*tree, names); !fine) return tl::unexpected(fine.error());
   if (const Checked fine = CheckRates(*tree, names); !fine) return tl::unexpected(fine.error());
   return CheckedExpression{tree, unit};

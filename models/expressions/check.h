@@ -25,7 +25,6 @@ struct ExpressionNames {
       found;                          ///< names whose value is found from the data, and where: ShapeSpec
   std::set<std::string> delayed;      ///< signals that delay(...) may be of; none: it has no place
   std::set<std::string> delay_times;  ///< names that may say by how long, beside constants
-  NameUnits rippled;                  ///< signals that ripple(...) may be of; none: it has no place
 };
 /// Signals and [geometry] of the machine, and pi. A signal hides a constant of the same name.
 ExpressionNames ExpressionNamesOf(const Machine& machine);

@@ -223,7 +223,6 @@ const std::vector<ExpressionFunction>& ExpressionFunctions() {
   static const std::vector<ExpressionFunction> functions = {
       {"ddt", 1, 1, "rate of change, taken by the window"},
       {"delay", 2, 2, "a signal some seconds ago; in models with states"},
-      {"ripple", 1, 1, "what of an output repeats with the shaft; in models with states"},
       {"abs", 1, 1, "absolute value"},
       {"sign", 1, 1, "-1, 0 or 1"},
       {"sqrt", 1, 1, "square root"},

@@ -165,7 +165,7 @@ ExpressionResult<ExpressionUnit> CommonOf(const ExpressionNode& node, const std:
 
 ExpressionResult<ExpressionUnit> UnitOfCall(const ExpressionNode& node,
                                             const std::vector<ExpressionUnit>& args) {
-  if (node.text == "abs" || node.text == "ripple") return args[0];
+  if (node.text == "abs") return args[0];
   if (node.text == "sign" || node.text == "atan2") return ExpressionUnit{};
   if (node.text == "sqrt") return ExpressionUnit{args[0].dimension.Power(0.5), args[0].exact};
   if (node.text == "ddt")

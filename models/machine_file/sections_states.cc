@@ -165,15 +165,11 @@ void ReadState(TableReader& reader, StateSpec& state) {
   CheckLimits(reader, state);
 }
 
-/// The first output that an expression names, other than for its ripple; "" = none.
+/// The first output that an expression names, "" = none.
 std::string OutputIn(const std::string& text, const Machine& machine) {
-  const auto tree = ParseExpression(text);
-  if (!tree) return "";
-  const Expression rest = Replaced(*tree, [](const ExpressionNode& node) -> Expression {
-    return node.kind == ExpressionNode::Kind::kCall && node.text == "ripple" ? NumberNode(0) : nullptr;
-  });
-  for (const std::string& name : NamesIn(*rest))
-    if (OutputIndex(machine, name) >= 0) return name;
+  if (const auto tree = ParseExpression(text))
+    for (const std::string& name : NamesIn(**tree))
+      if (OutputIndex(machine, name) >= 0) return name;
   return "";
 }
 

@@ -141,19 +141,6 @@ TEST(StatesFile, ADelayIsOfAnInputByANumberOrAParameter) {
       HasSubstr("has a place only in the equations"));
 }
 
-TEST(StatesFile, ARippleIsOfAnOutput) {
-  const auto with = [](const std::string& call) {
-    return kHead + "[states]\nh_2 = { ddt = \"k_1*" + call + "\" }\n" + kRest;
-  };
-  const auto machine = ParseMachine(with("ripple(level_2)*k_2"), "tanks.toml");
-  ASSERT_TRUE(machine) << machine.error().text;
-  EXPECT_EQ((*BuildStateModel(*machine, {}))->ripples, std::vector{machine->SignalIndex("level_2")});
-  EXPECT_THAT(RefusalOf(with("ripple(q_in)")),
-              AllOf(HasSubstr("tanks.toml:8:"), HasSubstr("is of an output")));
-  EXPECT_THAT(RefusalOf("[signals]\np = \"p\"\n[balance]\noutput = \"p\"\nterms = { a = \"ripple(p)\" }\n"),
-              HasSubstr("ripple(...) has a place only in the equations"));
-}
-
 TEST(StatesFile, RefusesWhatCannotBeSimulated) {
   EXPECT_THAT(RefusalOf(kHead + "[states]\nh_2 = { initial = 3, unit = \"cm\" }\n" + kRest),
               HasSubstr("this state has no equation"));

@@ -78,25 +78,6 @@ TEST(PumpStudy, ThatOutletPressureAloneDoesNotTellParametersToHalfAPerCentIsSaid
   EXPECT_FALSE(together.sensors.empty());
 }
 
-/// Ripple of once per revolution, which pistons that are not alike cause, moves the spool: left out of its equation it took the
-/// lag of the flow sensor four standard errors away, and K_v and K_q 1 %.
-TEST(PumpStudy, RippleSlowerThanThePistonsMovesTheSpoolOfTheModelToo) {
-  PumpOptions options = RandomPump(171);
-  options.seconds = 12;
-  const Machine file = PumpFile(true);
-  const Episode episode = PumpEpisode(SimulatePump(options), file);
-  const auto model = BuildStateModel(file, {});
-  ASSERT_TRUE(model) << model.error().text;
-  const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  const Eigen::VectorXd truth = PumpParameters(options);
-  for (Eigen::Index p = 0; p < truth.size(); ++p) {
-    const double error = fit.parameters[p] - truth[p];
-    EXPECT_LT(std::abs(error), 0.005 * truth[p]) << p;
-    EXPECT_LT(std::abs(error), 3 * std::sqrt(fit.covariance(p, p))) << p;
-  }
-}
-
 TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
   PumpOptions
       options;  // as `simulate pump --seed 7`: over the whole log functions predict 7 % of what is left, by chance
