@@ -217,11 +217,13 @@ double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const 
 EffectChoice Keep(ModelStructure& model, int effect, const std::vector<double>& nonlinear,
                   const std::optional<Correction>& on) {
   auto& shapes = model.effect_shapes[effect];
-  auto same = std::find_if(shapes.begin(), shapes.end(),
-                           [&](const EffectShape& s) { return s.nonlinear == nonlinear && s.on == on; });
-  if (same == shapes.end()) same = shapes.begin() + AddShape(model, effect, nonlinear, on);
-  same->refined = true;
-  return {effect, static_cast<int>(same - shapes.begin())};
+  const auto same = std::find_if(shapes.begin(), shapes.end(), [&](const EffectShape& s) {
+    return s.nonlinear == nonlinear && s.on == on;
+  });
+  const int shape = same != shapes.end() ? static_cast<int>(same - shapes.begin())
+                                         : AddShape(model, effect, nonlinear, on);  // moves all of them
+  shapes[static_cast<std::size_t>(shape)].refined = true;
+  return {effect, shape};
 }
 
 /// Values of the nonlinear parameters of all of `choices`, of which those tied to the size agree with it.
