@@ -105,7 +105,8 @@ TEST(OwnMachines, ASmallLawThatTheFileLacksIsToldBesideTheNamedOne) {
 TEST(OwnMachines, NoNameIsProvenOfASmallErrorThatALawOfNoFileExplainsBetter) {
   for (const auto& [law, size] : {std::pair("spring", 0.08), std::pair("pressure_viscous", 0.04)}) {
     Machine machine = OwnMachine();
-    std::erase_if(machine.user_effects, [&](const auto& effect) { return effect.id == law; });
+    std::erase_if(machine.user_effects,
+                  [hidden = std::string(law)](const auto& effect) { return effect.id == hidden; });
     const auto result =
         ExplainStrokes(OwnMachineStrokes({.hidden = {law}, .size = size, .noise = 0.3, .seed = 4}, machine));
     ASSERT_TRUE(result);
