@@ -1,8 +1,8 @@
-#include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <string_view>
 
+#include "core/contains.h"
 #include "core/units.h"
 #include "replay/log_layout.h"
 #include "setup/column_meaning.h"
@@ -148,8 +148,7 @@ std::string UnitWord(const std::string& word) {
 /// What can be nothing but a unit at the end of a name, as it is spelt: "Nm", "1/min", "°C"; not "min", "in", "A".
 std::string WholeUnit(const std::string& word) {
   static constexpr std::string_view kClear[] = {"Nm", "kNm", "kW", "Hz", "MN", "rad", "rpm", "kg", "kJ"};
-  const bool clear = std::find(std::begin(kClear), std::end(kClear), word) != std::end(kClear) ||
-                     word.find('/') != std::string::npos || word.starts_with("°");
+  const bool clear = Contains(kClear, word) || word.find('/') != std::string::npos || word.starts_with("°");
   return clear && FindUnit(word) ? word : "";
 }
 

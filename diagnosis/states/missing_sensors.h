@@ -15,8 +15,8 @@ struct MissingSensorOptions {
   double loose = 0.0025;
   double together = 4;  ///< ... if it is so many times less where the other parameters are known
   double noise = 0.01;  ///< of a sensor that is not there, of its signal's variation
-  double helps =
-      2;  ///< factor by which a sensor must lower one of these errors to be named: as four times the log does
+  /// Factor by which a sensor must lower one of these errors to be named: as four times the log does.
+  double helps = 2;
 };
 
 /// What parameters would be told to with one more sensor.

@@ -126,9 +126,8 @@ class StateSimulator {
 
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
-  int states_, inputs_,
-      parameters_;                ///< inputs: with what is delayed; parameters: columns of theirs
-  int wanted_ = 0, columns_ = 0;  ///< columns of sensitivities, and with what they are padded by
+  int states_, inputs_, parameters_;  ///< inputs: with what is delayed; parameters: columns of theirs
+  int wanted_ = 0, columns_ = 0;      ///< columns of sensitivities, and with what they are padded by
   InputHold hold_;
   double late_;  ///< LogFormat::outputs_late: inputs act so much later on what the rows say of outputs
   Eigen::VectorXd theta_, limits_;
