@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "diagnosis/extended_fit.h"
-#include "studies/simulated_strokes.h"
+#include "diagnosis/simulated_log_fixture.h"
+#include "estimation/gram_fit.h"
 
 namespace hydroscope {
 namespace {
@@ -9,12 +9,10 @@ namespace {
 TEST(ExtendedFit, HasTheNoiseFloorOfTheBaseFitWhereNoEffectIsAdded) {
   PressOptions press;
   press.seconds = 30;
-  const auto log = StrokesOf(SimulatePress(press), MachineFor(press));
-  ASSERT_TRUE(log) << log.error().text;
-  const std::vector<StrokeGram> grams = log->Grams();
-  const auto base = FitBaseModel(*log->model, grams, log->window);
+  const SimulatedStrokes log = StrokesOfPress(press);
+  const auto base = FitBaseModel(*log.model, GramsOf(log.model, log.strokes, log.window), log.window);
   ASSERT_TRUE(base) << base.error().text;
-  const ExtendedFit extended = StrokeSet(log->model, grams, log->window).Fit({});
+  const ExtendedFit extended = log.Fit();
   EXPECT_NEAR(extended.noise_floor, base->noise_floor, 1e-9 * base->noise_floor);
   EXPECT_GT(extended.noise_floor, 0);
 }

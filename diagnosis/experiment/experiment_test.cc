@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/explain.h"
-#include "studies/simulated_strokes.h"
+#include "diagnosis/simulated_log_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -18,27 +18,42 @@ PressOptions SmallLeak() {
   return press;
 }
 
+Explanation Explain(const SimulatedStrokes& log) {
+  return ExplainSamples(log.model, log.strokes, log.window);
+}
+
+/// The strokes of a log recorded after `all`.
+void Add(SimulatedStrokes next, SimulatedStrokes& all) {
+  const Stretch& last = all.strokes.back().back();
+  for (StrokeStretches& stretches : next.strokes) {
+    for (Stretch& stretch : stretches) {
+      stretch.log = 1;
+      stretch.begin += last.begin + last.samples * last.period;
+    }
+    all.strokes.push_back(std::move(stretches));
+  }
+}
+
 class ExperimentTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    strokes_ = new LogStrokes(
-        StrokesOf(SimulatePress(SmallLeak()), MachineFor(SmallLeak()), KeepSamples::kYes).value());
-    explanation_ = new Explanation(ExplainSamples(strokes_->model, strokes_->stretches, strokes_->window));
+    strokes_ = new SimulatedStrokes(StrokesOfPress(SmallLeak()));
+    explanation_ = new Explanation(Explain(*strokes_));
   }
   static void TearDownTestSuite() {
     delete strokes_;
     delete explanation_;
   }
   static Machine Allowing(double rod_min, double rod_max) {
-    Machine machine = strokes_->machine;
+    Machine machine = MachineOf(SmallLeak());
     machine.experiment.settings["rod_pressure"] = {rod_min, rod_max};
     return machine;
   }
   static Experiment Propose(const Machine& machine) {
-    return ProposeExperiment(*explanation_, machine, strokes_->stretches, strokes_->window);
+    return ProposeExperiment(*explanation_, machine, strokes_->strokes, strokes_->window);
   }
 
-  inline static LogStrokes* strokes_ = nullptr;
+  inline static SimulatedStrokes* strokes_ = nullptr;
   inline static Explanation* explanation_ = nullptr;
 };
 
@@ -87,23 +102,19 @@ TEST(ExperimentOfADrift, StrokesRecordedLaterTellItFromTheOil) {
   press.oil_start = 300;
   press.oil_end = 312;
   press.effects = {{"oil_viscosity", 0.002, {}}};
-  const auto strokes_of = [](const PressOptions& of) {
-    return *StrokesOf(SimulatePress(of), MachineFor(of), KeepSamples::kYes);
-  };
-  LogStrokes log = strokes_of(press);
-  const Explanation before = ExplainSamples(log.model, log.stretches, log.window);
+  SimulatedStrokes log = StrokesOfPress(press);
+  const Explanation before = Explain(log);
   ASSERT_THAT(before.set,
               testing::UnorderedElementsAre("oil_viscosity", "Q_vn_drift", "pressure_gain_drift"));
-  const Experiment e = ProposeExperiment(before, log.machine, log.stretches, log.window);
+  const Experiment e = ProposeExperiment(before, MachineOf(press), log.strokes, log.window);
   ASSERT_TRUE(e.proposed());
   EXPECT_THAT(e.left, testing::IsEmpty());
   press.seed += 1;
   press.motion.speeds = e.Levels("ram_speed");
   press.motion.set_points = e.Levels("pressure");
   press.seconds = e.seconds + 3.0 * e.strokes;
-  Append(strokes_of(press), log);
-  const Explanation after = ExplainSamples(log.model, log.stretches, log.window);
-  EXPECT_THAT(after.set, testing::ElementsAre("oil_viscosity"));
+  Add(StrokesOfPress(press), log);
+  EXPECT_THAT(Explain(log).set, testing::ElementsAre("oil_viscosity"));
 }
 
 TEST_F(ExperimentTest, RecordedAndExplainedTogetherItNamesTheLeak) {
@@ -114,11 +125,9 @@ TEST_F(ExperimentTest, RecordedAndExplainedTogetherItNamesTheLeak) {
   press.motion.set_points = e.Levels("pressure");
   press.motion.rod_pressures = e.Levels("rod_pressure");
   press.seconds = e.seconds + 3.0 * e.strokes;
-  const auto second = StrokesOf(SimulatePress(press), MachineFor(press), KeepSamples::kYes);
-  ASSERT_TRUE(second);
-  std::vector<StrokeStretches> both = strokes_->stretches;
-  both.insert(both.end(), second->stretches.begin(), second->stretches.end());
-  const Explanation x = ExplainSamples(strokes_->model, both, strokes_->window);
+  SimulatedStrokes both = *strokes_;
+  Add(StrokesOfPress(press), both);
+  const Explanation x = Explain(both);
   EXPECT_EQ(x.verdict, Verdict::kNamed);
   EXPECT_EQ(x.set, (std::vector<std::string>{"internal_leakage"}));
 }

@@ -1,3 +1,4 @@
+// What diagnosis/free_run.h gives for models as the workbench fits them.
 #include "diagnosis/free_run.h"
 
 #include <gtest/gtest.h>
