@@ -234,7 +234,7 @@ test("a German page tells the alarm in German: finding, evidence and what to do,
   const { page, address } = await visit(t, words, { locale: "de-DE" });
   await page.goto(address);
   await page.waitForSelector(".tile .health-M");
-  assert.match(await page.locator(".tile .health").innerText(), /„Innere Leckage an der Kolbendichtung“ steht an \(Warnung\)/);
+  assert.match(await page.locator(".tile .health").innerText(), /Mehr Öl geht unter Druck verloren \(Warnung\)/);
   await page.goto(`${address}#view=alarms&alarm=die_cushion/internal_leakage`);
   const detail = page.locator(".detail");
   assert.equal(await detail.locator("h2").innerText(), "Mehr Öl geht unter Druck verloren");
