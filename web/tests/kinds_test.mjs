@@ -13,7 +13,7 @@ import { makeSpindle } from "./spindle.mjs";
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const place = folder();
 const visit = (t, options) => visitIn(place.path, t, [], options);
-const logs = { pump: [], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
+const logs = { pump: ["--seconds", "3"], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
 
 before(async () => {
   await startBrowser();
