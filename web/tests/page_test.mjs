@@ -483,10 +483,15 @@ for (const [look, options] of [["wide", {}], ["phone", { viewport: { width: 390,
     await look("start");
     await page.locator(".examples button").first().click();
     await page.waitForSelector(".pin.sure");
-    await look("mapping");
-    await page.fill("input[name=A_A-bore]", "126.157");
+    await page.waitForSelector("p.verdict.good");  // an example tells its sizes: nobody else knows them
     await page.waitForSelector(".log-view canvas");
     await look("mapping, ready");
+    const bore = await page.inputValue("input[name=A_A-bore]");
+    await page.fill("input[name=A_A-bore]", "");
+    await page.waitForSelector("p.verdict.bad");
+    await look("mapping");
+    await page.fill("input[name=A_A-bore]", bore);
+    await page.waitForSelector("p.verdict.good");
     await page.locator("button.primary").click();
     await page.waitForSelector("[data-verdict=named]");
     for (const [step, there] of [["check", ".log-view canvas"], ["compare", ".plot canvas"], ["locate", ".cell"], ["add", "[data-preview]"], ["confirm", ".save"]]) {
