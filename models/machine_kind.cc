@@ -76,7 +76,8 @@ MachinePicture PictureOf(const Machine& machine) {
     return std::ranges::any_of(picture.places, [&](const SignalPlace& p) { return p.signal == signal.name; });
   };
   const bool names_its_own = kind.signals.empty();  // and what the drawing does not know would not be seen
-  return names_its_own && !std::ranges::all_of(machine.signals, has_place) ? PictureOfSignals(machine) : picture;
+  return names_its_own && !std::ranges::all_of(machine.signals, has_place) ? PictureOfSignals(machine)
+                                                                           : picture;
 }
 
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name) {

@@ -42,7 +42,9 @@ MachinePicture ValvePicture() {
     <path class="thin" d="M295 90h13v20h-13M185 90h-13v20h13"/>
     <circle class="body" cx="230" cy="158" r="12"/><path class="fill" d="M224 160l6 -10l6 10z"/>
     <path class="pipe" d="M240 158v12h22v-12"/>)svg";
-  picture.places = {{"U_v", 70, 100, 172, 100}, {"y_v", 410, 100, 258, 120}, {"p_0", 120, 168, 218, 158},
+  picture.places = {{"U_v", 70, 100, 172, 100},
+                    {"y_v", 410, 100, 258, 120},
+                    {"p_0", 120, 168, 218, 158},
                     {"T_oil", 370, 168, 262, 164}};
   return picture;
 }

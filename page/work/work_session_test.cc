@@ -36,7 +36,8 @@ Status WriteLeakingPress(const std::string& path) {
 class PageSession : public testing::Test {
  protected:
   void SetUp() override {
-    auto session = WorkSession::Create({}, "", {{"leak", WriteLeakingPress}, {"known", WriteLeakingPress, {{"A_A", 0.0125}}}}, feed_);
+    auto session = WorkSession::Create(
+        {}, "", {{"leak", WriteLeakingPress}, {"known", WriteLeakingPress, {{"A_A", 0.0125}}}}, feed_);
     ASSERT_TRUE(session) << session.error().text;
     session_ = std::move(*session);
     api_ = std::make_unique<PageApi>(session_.get(), nullptr, nullptr);
