@@ -35,6 +35,17 @@ export async function visitServed(served, t, options = {}) {
   return { page, address: served.address, served };
 }
 
+/** Drops files as a person would, from the desktop. */
+export async function drop(page, files) {
+  const contents = files.map((file) => ({ name: file.split("/").pop(), text: readFileSync(file, "utf8") }));
+  const transfer = await page.evaluateHandle((list) => {
+    const data = new DataTransfer();
+    for (const { name, text } of list) data.items.add(new File([text], name));
+    return data;
+  }, contents);
+  await page.dispatchEvent(".drop", "drop", { dataTransfer: transfer });
+}
+
 /** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
 export async function until(page, condition) {
   for (const end = Date.now() + patience; Date.now() < end;) {
