@@ -36,16 +36,16 @@ MachinePicture ValvePicture() {
   MachinePicture picture;
   picture.height = 200;
   picture.drawing = R"svg(
-    <path class="pipe" d="M230 80V50M250 80V50M230 120V146M250 120V158"/>
+    <path class="pipe" d="M230 80V50M250 80V50M230 120V146M250 120V134H288V158"/>
     <rect class="body" x="185" y="80" width="110" height="40" rx="3"/><path d="M221 80V120M258 80V120"/>
     <path class="thin" d="M197 100h14m-5 -4l5 4l-5 4M232 93h16M232 107h16M269 100h14m-9 -4l-5 4l5 4"/>
     <path class="thin" d="M295 90h13v20h-13M185 90h-13v20h13"/>
     <circle class="body" cx="230" cy="158" r="12"/><path class="fill" d="M224 160l6 -10l6 10z"/>
-    <path class="pipe" d="M240 158v12h22v-12"/>)svg";
+    <path class="pipe" d="M276 158v12h24v-12"/>)svg";
   picture.places = {{"U_v", 70, 100, 172, 100},
                     {"y_v", 410, 100, 258, 120},
                     {"p_0", 120, 168, 218, 158},
-                    {"T_oil", 370, 168, 262, 164}};
+                    {"T_oil", 390, 168, 288, 164}};
   return picture;
 }
 
