@@ -41,14 +41,19 @@ void Worsen(Health& health, HealthState state, HealthReason reason, Told told) {
   health.german = std::move(told.german);
 }
 
+/// What was found; alarms of old journals have their id alone.
+Told CalledAs(const AlarmState& alarm) {
+  return alarm.words.finding.empty() ? Told{alarm.id} : alarm.words.finding;
+}
+
 void TakeAlarms(const std::vector<AlarmState>& alarms, Health& health) {
   for (const AlarmState& alarm : alarms) {
     if (alarm.out_of_service)
       Worsen(health, HealthState::kFunctionCheck, HealthReason::kOutOfService,
-             Tell("{} is out of service", "{} ist außer Betrieb", alarm.id));
+             Tell("out of service: {}", "außer Betrieb: {}", CalledAs(alarm)));
     else if (alarm.active && alarm.suppressed == 0)
       Worsen(health, StateOf(alarm.severity), HealthReason::kAlarms,
-             Tell("{} stands ({})", "{} steht an ({})", alarm.id, SeverityTold(alarm.severity)));
+             Tell("{} ({})", "{} ({})", CalledAs(alarm), SeverityTold(alarm.severity)));
   }
 }
 

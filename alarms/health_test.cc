@@ -36,6 +36,19 @@ TEST(Health, TakesTheMostUrgentAlarmThatIsNotSuppressed) {
   EXPECT_EQ(Judged({loss}), 'C');
 }
 
+TEST(Health, CallsAlarmsByWhatTheyFoundAndThoseOfOldJournalsByTheirId) {
+  AlarmState alarm = Active(AlarmSeverity::kWarning);
+  EXPECT_EQ(JudgeHealth({.alarms = {alarm}, .has_reference = true}).text, "internal_leakage (warning)");
+  alarm.words.finding = {"Press slower on Mondays",
+                         "Presse montags langsamer"};  // the name of a rule of a user's own
+  const Health standing = JudgeHealth({.alarms = {alarm}, .has_reference = true});
+  EXPECT_EQ(standing.text, "Press slower on Mondays (warning)");
+  EXPECT_EQ(standing.german, "Presse montags langsamer (Warnung)");
+  alarm.out_of_service = true;
+  EXPECT_EQ(JudgeHealth({.alarms = {alarm}, .has_reference = true}).text,
+            "out of service: Press slower on Mondays");
+}
+
 TEST(Health, IsNeverGoodWhileTheHealthyMachineIsLearned) {
   const Health health =
       JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = {}, .trouble = {}});

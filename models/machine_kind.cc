@@ -1,5 +1,7 @@
 #include "models/machine_kind.h"
 
+#include <algorithm>
+
 #include "core/units.h"
 
 namespace hydroscope {
@@ -68,7 +70,14 @@ MachineWords WordsOf(const Machine& machine) { return KindOf(machine).words(mach
 
 MachinePicture PictureOf(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
-  return kind.picture != nullptr ? kind.picture() : PictureOfSignals(machine);
+  if (kind.picture == nullptr) return PictureOfSignals(machine);
+  MachinePicture picture = kind.picture();
+  const auto has_place = [&](const SignalSpec& signal) {
+    return std::ranges::any_of(picture.places, [&](const SignalPlace& p) { return p.signal == signal.name; });
+  };
+  const bool names_its_own = kind.signals.empty();  // and what the drawing does not know would not be seen
+  return names_its_own && !std::ranges::all_of(machine.signals, has_place) ? PictureOfSignals(machine)
+                                                                           : picture;
 }
 
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name) {

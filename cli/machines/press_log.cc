@@ -58,7 +58,9 @@ Status WritePressLog(const PressOptions& options, const std::string& path, const
 
 std::vector<ExampleLog> ExamplePressLogs() {
   const auto example = [](const char* id, const char* effect, double size) {
-    return ExampleLog{id, [=](const std::string& path) { return WriteExample(effect, size, path); }};
+    return ExampleLog{id,
+                      [=](const std::string& path) { return WriteExample(effect, size, path); },
+                      {{"A_A", PressMachine{}.A_A}}};
   };
   return {example("press_a", "internal_leakage", 4e-12), example("press_b", "relief_valve", 3e-11),
           example("press_healthy", "", 0)};

@@ -112,6 +112,10 @@ Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
     return jobs_.Add("example", id, [this, &example, file]() -> Status {
       TRY(example.write(file));
       StartOver();
+      if (!example.geometry.empty()) {
+        const std::lock_guard lock(mutex_);
+        asked_ = {{"geometry", example.geometry}};
+      }
       return TakeLog(example.id + ".csv", file);
     });
   }

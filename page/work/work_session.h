@@ -28,6 +28,7 @@ namespace hydroscope {
 struct ExampleLog {
   std::string id;
   std::function<Status(const std::string& path)> write;  ///< CSV
+  std::map<std::string, double> geometry = {};  ///< of its machine, which nobody else knows; by name, SI
 };
 
 /// One person's work on logs: which logs, the machine file being worked on, and what was worked out about them. Safe to call

@@ -36,7 +36,8 @@ Status WriteLeakingPress(const std::string& path) {
 class PageSession : public testing::Test {
  protected:
   void SetUp() override {
-    auto session = WorkSession::Create({}, "", {{"leak", WriteLeakingPress}}, feed_);
+    auto session = WorkSession::Create(
+        {}, "", {{"leak", WriteLeakingPress}, {"known", WriteLeakingPress, {{"A_A", 0.0125}}}}, feed_);
     ASSERT_TRUE(session) << session.error().text;
     session_ = std::move(*session);
     api_ = std::make_unique<PageApi>(session_.get(), nullptr, nullptr);
@@ -92,6 +93,13 @@ class PageSession : public testing::Test {
   std::unique_ptr<WorkSession> session_;
   std::unique_ptr<PageApi> api_;
 };
+
+TEST_F(PageSession, AnExampleTellsTheSizesThatNobodyElseKnows) {
+  ASSERT_EQ(Work(R"({"id": "known"})", "/api/v1/example")["state"], "done");
+  const nlohmann::json mapping = Json(Get("/api/v1/session"))["mapping"];
+  EXPECT_EQ(mapping["geometry"]["A_A"], 0.0125);
+  EXPECT_TRUE(Json(Post("/api/v1/proposal", mapping.dump()))["problem"].is_null());
+}
 
 TEST_F(PageSession, AsksForTheAreaBeforeItTakesAProposal) {
   ASSERT_EQ(Work(R"({"id": "leak"})", "/api/v1/example")["state"], "done");

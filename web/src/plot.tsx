@@ -36,10 +36,28 @@ export function pageColor(name: string): string {
 
 const low = 200;  // height of a picture below which its ticks stand closer
 
-function axis(label: string, size: number): uPlot.Axis {
+/** What axes look like on this page. */
+export function axisLook(): Partial<uPlot.Axis> {
   const line = { stroke: pageColor("--grid"), width: 1 };
-  return { label, size, labelSize: 20, stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui",
-    labelFont: "12px system-ui", values: (_, splits) => splits.map((value) => short(value, 4)) };
+  return { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
+}
+
+const axis = (label: string, size: number): uPlot.Axis =>
+  ({ ...axisLook(), label, size, labelSize: 20, values: (_, splits) => splits.map((value) => short(value, 4)) });
+
+/** Keeps a picture in its place: as wide as that, and drawn anew in other colours. Gives back how to take it away. */
+export function keepDrawn(place: HTMLElement, draw: (width: number) => uPlot): () => void {
+  const least = 200;  // pixels
+  let width = place.clientWidth, plot = draw(Math.max(least, width));
+  const again = () => { plot.destroy(); plot = draw(Math.max(least, width)); };
+  const resized = new ResizeObserver(() => {
+    if (Math.abs(place.clientWidth - width) < 2) return;
+    width = place.clientWidth;
+    plot.setSize({ width: Math.max(least, width), height: plot.height });
+  });
+  resized.observe(place);
+  addEventListener("themechange", again);
+  return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
 }
 
 /** Of a scale of logarithms: 1, 2, 5, 10, 20 ... */
@@ -102,9 +120,9 @@ export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, hei
   useLayoutEffect(() => {  // with the page around it
     const place = box.current;
     if (!place) return;
-    const draw = () => {
+    return keepDrawn(place, (width) => {
       const plot = new uPlot({
-        width: Math.max(200, place.clientWidth), height,
+        width, height,
         scales: { x: { time: false, ...(logX ? { distr: 3 as const, range: beside } : {}) }, ...(yRange ? { y: { range: yRange } } : levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
         pxAlign: 0,
         axes: [{ ...axis(xLabel, 34), ...(logX ? { filter: (_: uPlot, splits: number[]) => splits, values: (_: uPlot, splits: number[]) => splits.map((value) => (isRound(value) ? short(value, 2) : "")) } : {}) }, { ...axis(yLabel, 60), space: height < low ? 18 : 30 }],
@@ -121,18 +139,7 @@ export function Plot({ label, x, lines, values, bands, bars, xLabel, yLabel, hei
       const top = () => plot.over.getBoundingClientRect().top;
       if (view) view.current = { yPixel: (value) => plot.valToPos(value, "y") + top(), yValue: (pixel) => plot.posToVal(pixel - top(), "y") };
       return plot;
-    };
-    let plot = draw();
-    const again = () => { plot.destroy(); plot = draw(); };
-    let width = place.clientWidth;
-    const resized = new ResizeObserver(() => {
-      if (Math.abs(place.clientWidth - width) < 2) return;
-      width = place.clientWidth;
-      plot.setSize({ width: Math.max(200, width), height });
     });
-    resized.observe(place);
-    addEventListener("themechange", again);
-    return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
   }, [x, values, shades, xLabel, yLabel, height, JSON.stringify(lines)]);
   return (
     <figure class="plot">

@@ -29,10 +29,21 @@ export async function visitServed(served, t, options = {}) {
   });
   t.after(async () => {
     await context.close();
-    await served.stop();
+    await (served.leave ?? served.stop)();
     assert.deepEqual(faults, []);
   });
   return { page, address: served.address, served };
+}
+
+/** Drops files as a person would, from the desktop. */
+export async function drop(page, files) {
+  const contents = files.map((file) => ({ name: file.split("/").pop(), text: readFileSync(file, "utf8") }));
+  const transfer = await page.evaluateHandle((list) => {
+    const data = new DataTransfer();
+    for (const { name, text } of list) data.items.add(new File([text], name));
+    return data;
+  }, contents);
+  await page.dispatchEvent(".drop", "drop", { dataTransfer: transfer });
 }
 
 /** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
@@ -111,6 +122,52 @@ export async function assertAccessible(page, where) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));
   assert.deepEqual(violations.map((v) => `${where}: ${v.id}: ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`), []);
+}
+
+/** In a page: what a keyboard has to reach, and of that what Tab comes to and whether the focus shows there. */
+const reach = {
+  begin: () => {
+    const seen = (part) => part.checkVisibility({ visibilityProperty: true }) && part.getClientRects().length > 0;
+    const wanted = [...document.querySelectorAll("a[href], button, input, select, textarea, summary, [tabindex]")]
+      .filter((part) => part.tabIndex >= 0 && !part.disabled && seen(part));
+    window.reached = { wanted, focused: new Set(), unseen: [] };
+    window.reached.listen = ({ target }) => {
+      window.reached.focused.add(target);
+      const { outlineStyle, outlineWidth } = getComputedStyle(target);
+      if (outlineStyle === "none" || parseFloat(outlineWidth) < 2) window.reached.unseen.push(target.outerHTML.slice(0, 90));
+    };
+    document.addEventListener("focusin", window.reached.listen);
+    document.activeElement?.blur();
+    getSelection().removeAllRanges();
+    return wanted.length;
+  },
+  end: () => {
+    const { wanted, focused, unseen, listen } = window.reached;
+    document.removeEventListener("focusin", listen);
+    document.activeElement?.blur();
+    return { missed: wanted.filter((part) => part.isConnected && !focused.has(part)).map((part) => part.outerHTML.slice(0, 90)), unseen };
+  },
+};
+
+/** Tab comes to everything that can be used, with a focus that shows, and is kept nowhere. */
+export async function assertReachable(page, where) {
+  const count = await page.evaluate(reach.begin);
+  for (let k = 0; k < count + 2; ++k) await page.keyboard.press("Tab");
+  assert.deepEqual(await page.evaluate(reach.end), { missed: [], unseen: [] }, where);
+}
+
+/** Pages look the same to all: light and dark, in English and in German. What is shown is looked at in both, without loading anew. */
+export async function assertLooksGood(page, where) {
+  const german = (await page.getAttribute("html", "lang")) === "de";
+  await assertAccessible(page, where);
+  await assertFits(page, where);
+  await page.emulateMedia({ colorScheme: "dark" });
+  await until(page, () => document.documentElement.dataset.theme === "dark");
+  await page.selectOption(".top select >> nth=-1", german ? "en" : "de");
+  await assertAccessible(page, `${where}, dark, the other language`);
+  await assertFits(page, `${where}, dark, the other language`);
+  await page.selectOption(".top select >> nth=-1", german ? "de" : "en");
+  await page.emulateMedia({ colorScheme: "light" });
 }
 
 export async function assertFits(page, where) {

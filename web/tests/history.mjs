@@ -38,8 +38,7 @@ export function addValveChecks(path) {
     return `(1, ${k}, ${time}, 'measured', '16 frequencies, 16.4 s recorded', ${f0}, 0.9, ${0.72 + 0.012 * k}, 0.02, 1.0, 0.004, 0.0018, 0.0001, ${1.05 * f0}, 1.4, 0.1, 7e6, ${313 + (k % 3)})`;
   });
   rows.push(`(1, 16, ${begin + 90_000}, 'refused', 'the controller refused: the machine is working or another sweep runs', ${new Array(13).fill("NULL").join(", ")})`);
-  const done = spawnSync("sqlite3", [join(path, "press.db"), `INSERT INTO valve_check SELECT * FROM (VALUES ${rows.join(", ")})`], { encoding: "utf8" });
-  if (done.status !== 0) throw new Error(`sqlite3: ${done.stderr}`);
+  sqlite(path, "press.db", `INSERT INTO valve_check SELECT * FROM (VALUES ${rows.join(", ")})`);
 }
 
 /** learning.db: the first 19 or so strokes of the same press. */
@@ -79,4 +78,22 @@ k = { start = 0.1, min = 0.01, max = 2 }
 pump = { start = 0.1, min = 0.01, max = 2 }
 `);
   run(["replay", "tank.csv", "--machine", "tank.toml", "--db", "tank.db"], path);
+}
+
+/** fleet.db: twelve axes of three presses with begin.csv (makeBeginning), and alarms as that of press.db (makeHistory) at nine. */
+export function makeFleet(path) {
+  const text = readFileSync(join(path, "press.toml"), "utf8");
+  const axes = ["Presse_Nord", "Presse_Sued_mit_langem_Namen", "P3"].flatMap((press) => [1, 2, 3, 4].map((axis) => `${press}/Kissen_${axis}`));
+  for (const axis of axes) {
+    writeFileSync(join(path, "fleet.toml"), text.replace('name = "die_cushion"', `name = "${axis}"`));
+    run(["replay", "begin.csv", "--machine", "fleet.toml", "--db", "fleet.db"], path);
+  }
+  const alarms = axes.filter((_, k) => k % 4 !== 0).map((axis, k) =>
+    `UPDATE one SET machine = '${axis}', severity = '${["advisory", "warning", "alarm"][k % 3]}', acknowledged = ${k % 2}; INSERT INTO alarm SELECT * FROM one;`);
+  sqlite(path, "fleet.alarms.db", `ATTACH 'press.alarms.db' AS press; CREATE TEMP TABLE one AS SELECT * FROM press.alarm WHERE id = 'internal_leakage'; ${alarms.join(" ")}`);
+}
+
+function sqlite(path, database, statement) {
+  const done = spawnSync("sqlite3", [database, statement], { cwd: path, encoding: "utf8" });
+  if (done.status !== 0) throw new Error(`sqlite3: ${done.stderr}`);
 }

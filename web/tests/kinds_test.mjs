@@ -13,7 +13,7 @@ import { makeSpindle } from "./spindle.mjs";
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const place = folder();
 const visit = (t, options) => visitIn(place.path, t, [], options);
-const logs = { pump: [], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
+const logs = { pump: ["--seconds", "3"], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
 
 before(async () => {
   await startBrowser();
@@ -266,6 +266,58 @@ test("a balance of one's own is written over the columns of a log, checked, and 
   await page.waitForSelector("[data-verdict]");
   assert.match((await errorsOfVersions(page))[0], /\skN$/);
   assert.match(await (await fetch(`${address}api/v1/machine`)).text(), /\[balance\][^]*A = /);
+});
+
+test("a winch goes from its log to the watch: the balance that is proposed is refined, what is missing added, and the better model promoted", async (t) => {
+  let seed = 3;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647 - 0.5;
+  const rows = Array.from({ length: 6000 }, (_, k) => {
+    const time = 0.01 * k, turns = 60 * Math.sin(0.7 * time), bar = 110 + 40 * Math.sin(0.31 * time) + 15 * Math.sin(1.7 * time);
+    return [time, 0.21 * bar - 0.9 * Math.sign(turns) + 0.02 * random(), bar + 0.05 * random(), turns + 0.1 * random()].map((value) => value.toFixed(3)).join(";").replaceAll(".", ",");
+  });
+  writeFileSync(join(place.path, "winde.csv"), ["Zeit_s;Seilkraft [kN];Motordruck [bar];Trommeldrehzahl [rpm]", ...rows].join("\n"));
+  const { page, address, served } = await visit(t, { locale: "de-DE" });
+  await page.goto(address);
+  await dropped(page, "winde.csv");
+  await page.click("button:has-text('Eigene Bilanz und Effekte schreiben')");
+  await page.waitForSelector("p.verdict.good");
+  const [force, pressure, speed] = await page.locator(".columns .role button").allInnerTexts();
+  assert.deepEqual([await page.inputValue("input[name=balance-output]"), await page.inputValue("input[name=balance-expression-0]")], [force, pressure], "what was proposed is there to begin with");
+  await page.click("button:has-text('Noch ein Effekt')");
+  await page.fill("input[name=effect-id-0]", "trommelreibung");
+  await page.fill("input[name=effect-expression-0]", `sign(${speed})`);
+  await page.waitForSelector(".effects .law .plot canvas");
+  const looked = page.waitForResponse((answer) => /api\/v1\/proposal/.test(answer.url()) && /"not_negative":false/.test(answer.request().postData()));
+  await page.uncheck(".effects input[type=checkbox]");
+  await looked;
+  await page.waitForSelector("p.verdict.good");
+  await page.click("button.primary:has-text('Zur Werkbank')");
+  await page.waitForSelector("[data-verdict=named]");
+  assert.match(await page.locator(".verdict-panel").innerText(), /Dem Modell fehlt[^]*trommelreibung/);
+  await page.goto(`${address}#step=confirm`);
+  await page.fill("input[name=file]", "winde.toml");
+  await page.click(".save button.primary");
+  await page.waitForSelector("[data-saved]");
+  await served.leave();
+
+  run(["replay", "winde.csv", "--machine", "winde.toml", "--db", "winde.db"], place.path);
+  const watched = await visitIn(place.path, t, ["--db", "winde.db", "--machine", "winde.toml"], { locale: "de-DE" }), at = watched.page;
+  await at.goto(`${watched.address}#view=trends`);
+  await at.waitForSelector(".trend-plot canvas");
+  await at.click("button:has-text('in der Werkbank öffnen')");
+  await at.waitForSelector("[data-verdict=named]");
+  await at.goto(`${watched.address}#view=workbench&step=add&effect=trommelreibung`);
+  await at.click("[data-add=trommelreibung]:not([disabled])");
+  await at.waitForSelector("[data-error]");
+  await at.waitForSelector("[data-verdict=adequate]");
+  const [base, added] = (await errorsOfVersions(at)).map((error) => parseFloat(error.replace(",", ".")));
+  assert.ok(added < 0.2 * base, `the error falls from ${base} to ${added}`);
+  await at.goto(`${watched.address}#view=workbench&step=promote`);
+  await at.fill("textarea[name=promote-comment]", "die Trommel reibt");
+  await at.click(".promote button.primary");
+  await at.waitForSelector("[data-done]");
+  const { journal } = JSON.parse(run(["alarms", "--db", "winde.db", "journal", "--json", "-"], place.path));
+  assert.ok(journal.some((row) => row.event === "model_promoted" && row.comment === "die Trommel reibt"));
 });
 
 test("a machine that is no cushion shows its own picture, one of one's own its signals", async (t) => {

@@ -22,16 +22,19 @@ export function run(words, cwd, input = "") {
   return done.stdout;
 }
 
-/** `hydroscope open`: address and how to end it. */
+/** `hydroscope open`: address and how to end it, once its work is done (stop) or without waiting for that (leave). What it unpacks
+ * lies in the folder. */
 export function open(words, cwd) {
-  const child = spawn(program, ["open", ...words], { cwd, stdio: ["ignore", "pipe", "inherit"] });
-  const ended = new Promise((resolve) => child.on("exit", resolve));
+  const child = spawn(program, ["open", ...words], { cwd, stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, TMPDIR: cwd ?? tmpdir() } });
+  const ended = new Promise((resolve) => child.on("exit", resolve)), stop = () => { child.kill("SIGTERM"); return ended; };
+  child.stderr.pipe(process.stderr);
+  const leave = () => { child.stderr.once("data", () => child.kill("SIGTERM")); return stop(); };  // when it says that it works on
   return new Promise((resolve, reject) => {
     let text = "";
     child.stdout.on("data", (piece) => {
       text += piece;
       const address = text.match(/http:\/\/127\.0\.0\.1:\d+\//);
-      if (address) resolve({ address: address[0], pid: child.pid, stop: () => { child.kill("SIGTERM"); return ended; } });
+      if (address) resolve({ address: address[0], pid: child.pid, stop, leave });
     });
     child.on("exit", (code) => reject(new Error(`open ended with ${code}: ${text}`)));
   });

@@ -12,7 +12,8 @@ import { folder, program, run, serve } from "./program.mjs";
 
 const place = folder();
 const password = "long enough to guess";
-const speed = 5;  // times real time
+const speed = 10;  // times real time
+const enough = 12;  // strokes that show the leak
 let press;
 
 /** A press of one cylinder with a leak that its model does not know, on the wire. */
@@ -44,7 +45,7 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   for (const role of ["operate", "admin"]) run(["users", "--db", "live.db", "add", role, "--role", role], place.path, `${password}\n`);
   const served = await serve(["live.toml", "--db", "live.db"], place.path);
   const { page, address } = await visitServed(served, t);
-  const before = await untilWatched(address, (machine) => machine.strokes >= 20);
+  const before = await untilWatched(address, (machine) => machine.strokes >= enough);
   assert.deepEqual([before.model_version, before.effects], [1, []]);
 
   // signals of the last stroke are there without asking
@@ -59,8 +60,8 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
     await page.waitForSelector(".account");
   };
   await logIn("operate");
-  await page.goto(`${address}#view=trends&p=K`);
-  await page.waitForSelector(".trend-plot canvas");
+  await page.goto(`${address}#view=trends&p=K&x=stroke&from=0&to=${enough}`);
+  await page.waitForSelector(".trends [role=status]:has-text('Strokes 0 to 11')");
   await page.click("button:has-text('Open these strokes in the workbench')");
   const verdict = await page.waitForSelector("[data-verdict]");
   const said = await page.locator(".headline").first().innerText();

@@ -5,8 +5,8 @@ import { copyFileSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { after, before, test } from "node:test";
-import { assertAccessible, assertFits, endBrowser, pagesOf, recordTexts, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
-import { addValveChecks, begin, copyHistory, makeBeginning, makeEpisodes, makeHistory, simulate } from "./history.mjs";
+import { assertAccessible, assertFits, assertLooksGood, assertReachable, endBrowser, pagesOf, recordTexts, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
+import { addValveChecks, begin, copyHistory, makeBeginning, makeEpisodes, makeFleet, makeHistory, simulate } from "./history.mjs";
 import { folder, run, serve } from "./program.mjs";
 
 const place = folder();
@@ -234,7 +234,7 @@ test("a German page tells the alarm in German: finding, evidence and what to do,
   const { page, address } = await visit(t, words, { locale: "de-DE" });
   await page.goto(address);
   await page.waitForSelector(".tile .health-M");
-  assert.match(await page.locator(".tile .health").innerText(), /„Innere Leckage an der Kolbendichtung“ steht an \(Warnung\)/);
+  assert.match(await page.locator(".tile .health").innerText(), /Mehr Öl geht unter Druck verloren \(Warnung\)/);
   await page.goto(`${address}#view=alarms&alarm=die_cushion/internal_leakage`);
   const detail = page.locator(".detail");
   assert.equal(await detail.locator("h2").innerText(), "Mehr Öl geht unter Druck verloren");
@@ -243,6 +243,31 @@ test("a German page tells the alarm in German: finding, evidence and what to do,
   assert.equal(await detail.locator("[lang=en]:not(.journal *)").count(), 0, "nothing of the alarm is left in English");
   await page.selectOption("header select >> nth=-1", "en");
   await page.waitForSelector(".detail h2:has-text('More oil lost under pressure')");
+});
+
+test("twelve axes are seen at once: how many are how, the gravest first, parameters folded", async (t) => {
+  makeFleet(place.path);
+  const { page, address } = await visit(t, ["--db", "fleet.db"]);
+  await page.goto(address);
+  await page.waitForSelector(".tile .standing >> nth=8");
+  assert.equal(await page.locator(".tile").count(), 12);
+  assert.match(await page.locator(".glance").innerText(), /^C\s+12 Function check$/);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollHeight) < 1600, "a screen and a half");
+  const alarms = (await page.locator(".tile").evaluateAll((tiles) => tiles.map((tile) => tile.getAttribute("aria-label"))));
+  assert.deepEqual(alarms.slice(0, 3), ["Presse_Nord/Kissen_4", "Presse_Sued_mit_langem_Namen/Kissen_4", "P3/Kissen_4"], "with severity alarm");
+  assert.equal(await page.locator(".tile .cards:visible").count(), 0);
+  await page.click(".tile summary:has-text('Parameters') >> nth=0");
+  await page.waitForSelector(".tile .cards:visible");
+  await page.goto(`${address}#view=alarms&sort=axis`);
+  await page.waitForSelector(".alarm-table tbody tr >> nth=8");
+  for (const viewport of [{ width: 1400, height: 900 }, { width: 390, height: 844 }]) {
+    await page.setViewportSize(viewport);
+    for (const [view, there] of [["overview", ".tile"], ["alarms", ".alarm-table"]]) {
+      await page.goto(`${address}#view=${view}`);
+      await page.waitForSelector(there);
+      await assertLooksGood(page, `twelve axes, ${view}, ${viewport.width}`);
+    }
+  }
 });
 
 test("a machine that counts in episodes is told in episodes, in both languages", async (t) => {
@@ -457,17 +482,13 @@ test("a service shows its database, and still answers its tools", async (t) => {
   assert.deepEqual(await (await fetch(`${address}api/v1/session`)).json().then((session) => [session.workbench, session.changes]), [true, false]);
 });
 
-for (const [look, options] of [
-  ["wide, light, English", {}],
-  ["wide, dark, German", { colorScheme: "dark", locale: "de-DE" }],
-  ["phone, light, German", { viewport: { width: 390, height: 844 }, locale: "de-DE" }],
-])
-  test(`every view is accessible and fits: ${look}`, async (t) => {
+for (const [look, options] of [["wide", {}], ["phone", { viewport: { width: 390, height: 844 }, locale: "de-DE" }]])
+  test(`every view is accessible and fits, in both languages, light and dark, and keys reach all of it: ${look}`, async (t) => {
     const { page, address } = await visit(t, words, options);
     for (const [view, there] of [["overview", ".tile tbody tr"], ["trends", ".trend-plot canvas"], ["trends&x=oil", ".trend-plot canvas"], ["alarms&alarm=die_cushion/internal_leakage", ".journal li"], ["valve", ".bode canvas"], ["learn", ".trend-plot canvas"], ["service", ".service code"], ["scada", ".tags tbody tr"], ["workbench", ".drop"]]) {
       await page.goto(`${address}#view=${view}`);
       await page.waitForSelector(there);
-      await assertAccessible(page, view);
-      await assertFits(page, view);
+      await assertLooksGood(page, view);
+      await assertReachable(page, view);
     }
   });

@@ -25,8 +25,9 @@ export function OwnMachine({ first }: { first: ProposalWork | null }) {
   const wrote = useRef<HTMLInputElement | null>(null);
   const proposal = first?.proposal ?? null, own = proposal?.balance != null && !first?.awaited;
   const kind = proposal?.kinds.find((known) => known.own)?.id;
-  useEffect(() => {  // of a kind that is only recognised names of signals would change while one writes
-    if (first && kind && !first.awaited && !(own && first.chosen)) void first.takeKind(kind);
+  useEffect(() => {
+    if (!first || !kind || first.awaited || (own && first.chosen)) return;
+    if (own) first.keepKind(); else void first.takeKind(kind);
   }, [proposal?.model]);
   return (
     <section class="mapping own-machine" onFocusIn={(e) => { if ((e.target as Element).matches("input.expression")) wrote.current = e.target as HTMLInputElement; }}>

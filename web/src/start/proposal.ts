@@ -81,6 +81,9 @@ export function useProposal() {
     setPicture(null);
     if (!await propose({ model })) [asked.current, chosenUnits.current] = before;
   };
+  /** The kind that was recognised counts as chosen, with all that is proposed: names of signals stay while one writes. */
+  const keepKind = () => void propose({ model: proposal!.model, columns: columnsOf(proposal!.pins, chosenUnits.current),
+    balance: proposal!.balance ?? undefined, effects: proposal!.effects ?? undefined });
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
     if (value === null) delete geometry[name]; else geometry[name] = value;
@@ -92,6 +95,6 @@ export function useProposal() {
     location.hash = "step=check";
     await refresh();
   };
-  return { proposal, awaited, picture, problem, propose, put, setGate, takeKind, setGeometry, accept,
+  return { proposal, awaited, picture, problem, propose, put, setGate, takeKind, keepKind, setGeometry, accept,
     chosen: Boolean(asked.current.model), settled: answered === latest.current };
 }

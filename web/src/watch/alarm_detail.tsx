@@ -1,5 +1,5 @@
-import { useEffect, useState } from "preact/hooks";
-import { get, post } from "../api";
+import { useState } from "preact/hooks";
+import { post } from "../api";
 import { Problem, useAttempt } from "../failure";
 import { useStore } from "../store";
 import { useTyped } from "../typed";
@@ -11,7 +11,7 @@ import { sinceText, sizeText } from "./alarms";
 import { StrokePicture } from "./overview";
 import { ToWorkbench } from "./to_workbench";
 import { dateText, isDate } from "./shown";
-import { refreshWatch, useWatch } from "./watch_store";
+import { refreshWatch, useAnswer } from "./watch_store";
 import type { Alarm, JournalRow } from "./watch_types";
 
 const shelves = [["8", 8 * 3600], ["24", 24 * 3600], ["168", 7 * 24 * 3600]] as const;
@@ -20,16 +20,12 @@ const shelves = [["8", 8 * 3600], ["24", 24 * 3600], ["168", 7 * 24 * 3600]] as 
 export function AlarmDetail({ alarm, user, database, close }: { alarm: Alarm; user: string; database: string; close: () => void }) {
   const say = useWords();
   const [, setUrl] = useUrl();
-  const { tick } = useWatch();
   const { session } = useStore();
-  const [rows, setRows] = useState<JournalRow[]>([]);
+  const rows = useAnswer<{ journal: JournalRow[] }>("watch/journal", { machine: alarm.machine, alarm: alarm.alarm })?.journal ?? [];
   const [who, setWho] = useState(localStorage.getItem("who") ?? user);
   const [comment, setComment] = useTyped(`alarm comment ${alarm.machine}/${alarm.alarm}`);
   const [seconds, setSeconds] = useState<number>(shelves[0][1]);
   const { busy, problem, attempt } = useAttempt();
-  useEffect(() => {
-    void get<{ journal: JournalRow[] }>("watch/journal", { machine: alarm.machine, alarm: alarm.alarm }).then(({ journal }) => setRows(journal)).catch(() => setRows([]));
-  }, [alarm.machine, alarm.alarm, tick]);
   const act = (action: string, more: object = {}) => attempt(async () => {
     localStorage.setItem("who", who);
     await post("watch/alarms", { action, machine: alarm.machine, alarm: alarm.alarm, user: who, comment, ...more });

@@ -4,6 +4,7 @@ import { Told } from "../told";
 import { CountedIn, useWords, type Say } from "../words";
 import { Scroll } from "../workbench/parts";
 import { AlarmDetail } from "./alarm_detail";
+import { AxisTitle } from "./axis_title";
 import { inChosen, unitName, withUnit } from "../units";
 import { dateText, interval, isDate } from "./shown";
 import type { Alarm, Overview } from "./watch_types";
@@ -90,7 +91,7 @@ export function Alarms({ overview }: { overview: Overview }) {
                   <td role="cell"><span class={`state state-${alarm.state}`} title={alarm.state}>{say(`state_${alarm.state}` as "state_UNACK")}</span></td>
                   <td role="cell"><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}`)}</span></td>
                   <td role="cell" data-label={say("alarm_since")}><CountedIn of={countedOf(alarm.machine)}><Since alarm={alarm} /></CountedIn></td>
-                  <td role="cell" class="axis" data-label={say("alarm_axis")}>{alarm.machine}</td>
+                  <td role="cell" class="axis" data-label={say("alarm_axis")}><AxisTitle of={alarm.machine} /></td>
                   <td role="cell" class="leads"><button class="link" data-alarm={key} onClick={() => setUrl({ alarm: key })}><Told of={alarm} what="finding" /></button></td>
                   <td role="cell" data-label={say("alarm_size")}>{sizeText(alarm)}</td>
                   <td role="cell" data-label={say("alarm_cause")}>{alarm.cause ? <Told of={alarm} what="cause" /> : "–"}</td>

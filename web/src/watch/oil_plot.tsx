@@ -1,6 +1,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
-import { pageColor } from "../plot";
+import { axisLook, keepDrawn, pageColor } from "../plot";
 import { nameOf, short, shownNumber, unitName, unitsKey } from "../units";
 import { useWords } from "../words";
 import { inUnit, symbolOf } from "./shown";
@@ -25,24 +25,16 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
       }) : []),
     ].sort((a, b) => a[0]! - b[0]!);
     const data = [0, 1, 2, 3, 4].map((column) => rows.map((row) => row[column]));
-    const line = { stroke: pageColor("--grid"), width: 1 };
-    const look = { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
-    const draw = () => new uPlot({
-      width: Math.max(240, place.clientWidth), height, scales: { x: { time: false } },
-      axes: [{ ...look, size: 40, label: `${say("oil")} (${nameOf("°C")})`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
-        { ...look, size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
+    return keepDrawn(place, (width) => new uPlot({
+      width, height, scales: { x: { time: false } },
+      axes: [{ ...axisLook(), size: 40, label: `${say("oil")} (${nameOf("°C")})`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
+        { ...axisLook(), size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
       series: [{}, { paths: () => null, points: { show: true, size: 5, fill: pageColor("--line-a"), stroke: pageColor("--line-a") } },
         { stroke: "transparent", spanGaps: true, points: { show: false } }, { stroke: "transparent", spanGaps: true, points: { show: false } },
         { stroke: pageColor("--good"), width: 1.8, dash: [6, 4], spanGaps: true, points: { show: false } }],
       bands: [{ series: [3, 2], fill: pageColor("--stroke-shade") }],
       legend: { show: false }, cursor: { drag: { x: false, y: false } },
-    }, data as uPlot.AlignedData, place);
-    let plot = draw();
-    const again = () => { plot.destroy(); plot = draw(); };
-    const resized = new ResizeObserver(() => plot.setSize({ width: Math.max(240, place.clientWidth), height }));
-    resized.observe(place);
-    addEventListener("themechange", again);
-    return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
+    }, data as uPlot.AlignedData, place));
   }, [trend, unit, height, say, unitsKey()]);
   if (points.length === 0) return <p class="empty">{say("oilNotMeasured")}</p>;
   return <div ref={box} class="trend-plot" role="img" aria-label={`${symbolOf(unit)}, ${say("axis_oil")}`} />;

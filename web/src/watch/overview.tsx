@@ -9,6 +9,7 @@ import { CountedIn, LanguageContext, useWords } from "../words";
 import type { Words } from "../words/en";
 import { axisName } from "../workbench/region";
 import { severities } from "./alarms";
+import { AxisTitle } from "./axis_title";
 import { useWatch } from "./watch_store";
 import { celsius, dateText, interval, isDate, ofParameter, symbolOf } from "./shown";
 import type { Health, MaybeNumber, Overview, StrokeSignals, WatchedMachine, WatchedParameter } from "./watch_types";
@@ -64,24 +65,13 @@ function Standing({ machine }: { machine: string }) {
   );
 }
 
-/** `signals`: those of the last stroke are shown without asking. */
-function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean }) {
-  const say = useWords(), tell = useTold(), language = useContext(LanguageContext);
+/** Every parameter with its newest value, its course, and what changed of it. */
+function Parameters({ machine }: { machine: WatchedMachine }) {
+  const say = useWords(), tell = useTold();
   const [, setUrl] = useUrl();
-  const oil = celsius(machine.oil_temperature_K);
   return (
-    <article class="tile" aria-label={machine.machine}>
-      <h2>{machine.machine}</h2>
-      <HealthBadge health={machine.health} />
-      <p class="facts-line">
-        {say("strokesCount", { count: grouped(machine.strokes) })}
-        {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
-        {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
-        {machine.effects.length > 0 && <> · <span>+ {machine.effects.map((effect) => titleOf(effect, language)).join(" + ")}</span></>}
-      </p>
-      {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
-      <Standing machine={machine.machine} />
-      {machine.parameters.length > 0 && <table class="cards" role="table">
+    <>
+      <table class="cards" role="table">
         <thead><tr role="row"><th scope="col" role="columnheader">{say("parameter")}</th><th scope="col" role="columnheader">{say("newest")}</th><th scope="col" role="columnheader">{say("against")}</th><th scope="col" role="columnheader"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
         <tbody>
           {machine.parameters.map((p) => (
@@ -96,9 +86,32 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
             </tr>
           ))}
         </tbody>
-      </table>}
+      </table>
       {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("besideFound")}</small></p>}
-      {machine.strokes > 0 && <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={signals} />}
+    </>
+  );
+}
+
+/** `alone`: one of a few axes, whose parameters are shown, and the signals of its last stroke as they come. */
+function Tile({ machine, alone }: { machine: WatchedMachine; alone: boolean }) {
+  const say = useWords(), language = useContext(LanguageContext);
+  const [, setUrl] = useUrl();
+  const oil = celsius(machine.oil_temperature_K);
+  return (
+    <article class="tile" aria-label={machine.machine}>
+      <h2><AxisTitle of={machine.machine} /></h2>
+      <HealthBadge health={machine.health} />
+      <p class="facts-line">
+        {say("strokesCount", { count: grouped(machine.strokes) })}
+        {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
+        {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
+        {machine.effects.length > 0 && <> · <span>+ {machine.effects.map((effect) => titleOf(effect, language)).join(" + ")}</span></>}
+      </p>
+      {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
+      <Standing machine={machine.machine} />
+      {machine.parameters.length > 0 && (alone ? <Parameters machine={machine} />
+        : <details><summary>{say("parameters")}</summary><Parameters machine={machine} /></details>)}
+      {machine.strokes > 0 && <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={alone && machine.health.live} />}
     </article>
   );
 }
@@ -133,20 +146,35 @@ export function StrokePicture({ machine, stroke, title, begin = false }: { machi
   );
 }
 
-const mostShown = 4;  // axes whose signals are fetched with each of their strokes
+const few = 4;  // axes whose parameters are shown at once, and whose signals are fetched with each of their strokes
+const order = "FCSM-";  // the most urgent first
+
+/** How many axes are how. */
+function Glance({ machines }: { machines: WatchedMachine[] }) {
+  const say = useWords();
+  const count = (letter: string) => machines.filter((machine) => machine.health.letter === letter).length;
+  return (
+    <ul class="glance" aria-label={say("glance")}>{[...order].filter((letter) => count(letter) > 0).map((letter) => (
+      <li key={letter} class={`health health-${letter === "-" ? "good" : letter}`}>
+        <b aria-hidden="true">{letter === "-" ? "✓" : letter}</b><span><strong>{count(letter)}</strong> {say(`health_${letter}` as keyof Words)}</span>
+      </li>))}</ul>
+  );
+}
 
 export function OverviewPage({ overview }: { overview: Overview }) {
   const say = useWords();
-  const order = "FCSM-";
-  const machines = [...overview.machines].sort((a, b) => order.indexOf(a.health.letter) - order.indexOf(b.health.letter));
+  const { alarms } = useWatch();
+  const gravest = (machine: WatchedMachine) => Math.min(severities.length, ...alarms.filter((alarm) => alarm.machine === machine.machine && !alarm.at_rest).map((alarm) => severities.indexOf(alarm.severity)));
+  const machines = [...overview.machines].sort((a, b) => order.indexOf(a.health.letter) - order.indexOf(b.health.letter) || gravest(a) - gravest(b));
   return (
     <section class="overview" aria-live="polite">
       <h1>{overview.database}</h1>
       <p class="quiet">{overview.service ? say("serviceRuns") : say("serviceNone")}{!overview.journal && ` ${say("journalNone")}`}</p>
       {overview.presses.filter((press) => press.alarms > 0).map((press) => <p key={press.machine} class="problem">{press.machine}: {say("alarmsStand", { count: press.alarms })}</p>)}
       {machines.length === 0 && <p class="empty">{say("noMachines")}</p>}
-      <div class="tiles">{machines.map((machine) => (
-        <CountedIn key={machine.machine} of={machine.counted}><Tile machine={machine} signals={machine.health.live && machines.length <= mostShown} /></CountedIn>))}</div>
+      {machines.length > few && <Glance machines={machines} />}
+      <div class={machines.length > few ? "tiles many" : "tiles"}>{machines.map((machine) => (
+        <CountedIn key={machine.machine} of={machine.counted}><Tile machine={machine} alone={machines.length <= few} /></CountedIn>))}</div>
     </section>
   );
 }

@@ -1,12 +1,11 @@
 import { Told } from "../told";
-import { useEffect, useState } from "preact/hooks";
-import { find } from "../api";
+import { useState } from "preact/hooks";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { CardTable, Scroll } from "../workbench/parts";
 import { download } from "./shown";
 import type { FeedLink, Tag } from "./watch_types";
-import { useWatch } from "./watch_store";
+import { useAnswer } from "./watch_store";
 
 const shown = 400;  // rows at a time
 const lookAgain = 2000;  // ms: registers change while nothing is stored
@@ -23,16 +22,8 @@ const columns = ["feed", "address", "tagName", "tagType", "tagNow", "tagUnit", "
 export function Scada() {
   const say = useWords();
   const [query, setUrl] = useUrl();
-  const { tick } = useWatch();
   const [text, setText] = useState("");
-  const [found, setFound] = useState<{ tags: Tag[]; links: FeedLink[] } | null>(null);
-  useEffect(() => {
-    let gone = false;
-    const look = () => void find<{ tags: Tag[]; links: FeedLink[] }>("watch/tags").then((tags) => { if (!gone && tags) setFound(tags); }).catch(() => {});
-    look();
-    const again = setInterval(look, lookAgain);
-    return () => { gone = true; clearInterval(again); };
-  }, [tick]);
+  const found = useAnswer<{ tags: Tag[]; links: FeedLink[] }>("watch/tags", {}, lookAgain);
   if (!found) return <p class="empty" role="status">{say("loading")}</p>;
   const axes = [...new Set(found.tags.map((t) => t.axis))].filter((axis) => axis !== "");
   const tags = found.tags.filter((t) => (!query.feed || t.feed === query.feed) && (!query.axis || t.axis === query.axis) &&

@@ -1,27 +1,19 @@
-import { useEffect, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
-import { find } from "../api";
 import { Told, useTold } from "../told";
 import { amount, short } from "../units";
 import { CountedIn, useWords } from "../words";
 import type { Words } from "../words/en";
 import { CardTable, Scroll } from "../workbench/parts";
 import { dateText } from "./shown";
+import { useAnswer } from "./watch_store";
 import type { Overview, ServiceStatus } from "./watch_types";
 
 const lookAgain = 2000;  // ms
 
 /** What the running service tells of itself, asked for every few seconds while one looks. */
-function useService(): ServiceStatus | null | undefined {
-  const [service, setService] = useState<ServiceStatus | null | undefined>(undefined);
-  useEffect(() => {
-    let gone = false;
-    const look = () => void find<{ service: ServiceStatus | null }>("watch/service").then((found) => { if (!gone) setService(found?.service ?? null); }).catch(() => {});
-    look();
-    const again = setInterval(look, lookAgain);
-    return () => { gone = true; clearInterval(again); };
-  }, []);
-  return service;
+export function useService(asked = true): ServiceStatus | null | undefined {
+  const found = useAnswer<{ service: ServiceStatus | null }>("watch/service", {}, lookAgain, asked);
+  return found === undefined ? undefined : found?.service ?? null;
 }
 
 const age = (seconds: number | null) => (seconds === null ? "–" : seconds < 100 ? `${short(seconds, 2)} s` : seconds < 6000 ? `${short(seconds / 60, 2)} min` : `${short(seconds / 3600, 3)} h`);

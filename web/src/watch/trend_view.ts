@@ -2,7 +2,7 @@
 // wheel, keys and dragging, a frame at a time; cursors of views with the same axis move together.
 
 import uPlot from "uplot";
-import { pageColor } from "../plot";
+import { axisLook, pageColor } from "../plot";
 import { amount, grouped, short, unitName } from "../units";
 import type { Say } from "../words";
 import { CourseStrip } from "./course_strip";
@@ -118,16 +118,15 @@ export class TrendView {
   private draw(): uPlot {
     const { unit, axis, say } = this;
     this.colors = Object.fromEntries(markKinds.map((kind) => [kind, pageColor(markColors[kind])])) as Record<Mark["kind"], string>;
-    const line = { stroke: pageColor("--grid"), width: 1 }, bad = pageColor("--bad");
-    const look_of = { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
+    const bad = pageColor("--bad");
     const none = { paths: () => null, points: { show: false } };  // the strip draws them
     return new uPlot({
       width: Math.max(240, this.place.clientWidth), height: this.height,
       scales: { x: { time: axis === "time", ...this.chosen() }, y: { range: (_, low, high) => this.heights.range(low, high) } },
       axes: [
-        { ...look_of, size: 46, space: 96, label: axis === "time" ? undefined : say("stroke"), labelSize: 18,
+        { ...axisLook(), size: 46, space: 96, label: axis === "time" ? undefined : say("stroke"), labelSize: 18,
           values: (_, ticks, _a, _s, step) => (axis === "time" ? tickTexts(ticks, step) : ticks.map((tick) => grouped(tick))) },
-        { ...look_of, size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((tick) => short(tick, 5)) },
+        { ...axisLook(), size: 62, label: `${symbolOf(unit)}${unitName(unit) && ` (${unitName(unit)})`}`, labelSize: 20, values: (_, ticks) => ticks.map((tick) => short(tick, 5)) },
       ],
       series: [{}, none, none, none, none,
         { ...none, stroke: pageColor("--line-a"), points: { show: () => this.courses.x.length < 80, size: 5 } }, none],

@@ -1,8 +1,8 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import uPlot from "uplot";
-import { find, post } from "../api";
+import { post } from "../api";
 import { Problem, useAttempt } from "../failure";
-import { isRound, pageColor } from "../plot";
+import { axisLook, isRound, keepDrawn, pageColor } from "../plot";
 import { useStore } from "../store";
 import { Told } from "../told";
 import { nameOf, short, shownNumber } from "../units";
@@ -12,8 +12,9 @@ import type { Words } from "../words/en";
 import { CardTable } from "../workbench/parts";
 import { dateText, interval, isDate } from "./shown";
 import { tickTexts } from "./trend_axis";
-import type { Figure, MaybeNumber, Overview, ServiceStatus, ValveCheck } from "./watch_types";
-import { useWatch } from "./watch_store";
+import type { Figure, MaybeNumber, Overview, ValveCheck } from "./watch_types";
+import { useService } from "./service";
+import { useAnswer } from "./watch_store";
 
 const mostCurves = 6;  // of the checks, evenly over the years, the first and the last among them
 
@@ -29,24 +30,12 @@ function colorOf(k: number, count: number): string {
   return k === count - 1 ? pageColor("--line-b") : `color-mix(in srgb, ${pageColor("--line-a")} ${30 + (70 * k) / Math.max(1, count - 1)}%, ${pageColor("--panel")})`;
 }
 
-function look(): Partial<uPlot.Axis> {
-  const line = { stroke: pageColor("--grid"), width: 1 };
-  return { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
-}
-
 /** A plot that is drawn anew when its box, its data or the colours change. */
 function Drawn({ label, options, data, height }: { label: string; options: () => Omit<uPlot.Options, "width" | "height">; data: uPlot.AlignedData; height: number }) {
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const place = box.current;
-    if (!place) return;
-    const draw = () => new uPlot({ ...options(), width: Math.max(240, place.clientWidth), height }, data, place);
-    let plot = draw();
-    const again = () => { plot.destroy(); plot = draw(); };
-    const resized = new ResizeObserver(() => plot.setSize({ width: Math.max(240, place.clientWidth), height }));
-    resized.observe(place);
-    addEventListener("themechange", again);
-    return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
+    return place ? keepDrawn(place, (width) => new uPlot({ ...options(), width, height }, data, place)) : undefined;
   }, [data, height]);
   return <div ref={box} class="trend-plot" role="img" aria-label={label} />;
 }
@@ -63,8 +52,8 @@ function Bode({ checks }: { checks: ValveCheck[] }) {
   const options = (y: string) => () => ({
     pxAlign: 0 as const,
     scales: { x: { time: false, distr: 3 as const, range: [data.gain[0][0], data.gain[0][data.gain[0].length - 1]] as [number, number] } },
-    axes: [{ ...look(), label: `${say("frequency")} (Hz)`, size: 40, labelSize: 18, values: (_: uPlot, ticks: number[]) => ticks.map((t) => (isRound(t) ? short(t, 2) : "")) },
-      { ...look(), label: y, size: 62, labelSize: 20, values: (_: uPlot, ticks: number[]) => ticks.map((t) => short(t, 4)) }],
+    axes: [{ ...axisLook(), label: `${say("frequency")} (Hz)`, size: 40, labelSize: 18, values: (_: uPlot, ticks: number[]) => ticks.map((t) => (isRound(t) ? short(t, 2) : "")) },
+      { ...axisLook(), label: y, size: 62, labelSize: 20, values: (_: uPlot, ticks: number[]) => ticks.map((t) => short(t, 4)) }],
     series: [{}, ...shown.map((_, k) => ({ stroke: colorOf(k, shown.length), width: k === shown.length - 1 ? 2.4 : 1.6, points: { show: false } }))],
     legend: { show: false }, cursor: { sync: { key: "bode" }, drag: { x: false, y: false } },
   });
@@ -84,8 +73,8 @@ function Bandwidth({ checks }: { checks: ValveCheck[] }) {
   }, [checks]);
   return <Drawn label={say("bandwidth")} data={data} height={220} options={() => ({
     scales: { x: { time: dated } },
-    axes: [{ ...look(), size: 46, space: 90, values: (_, ticks, _a, _s, step) => (dated ? tickTexts(ticks, step) : ticks.map((t) => short(t, 5))) },
-      { ...look(), label: `${say("bandwidth")} (Hz)`, size: 62, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 4)) }],
+    axes: [{ ...axisLook(), size: 46, space: 90, values: (_, ticks, _a, _s, step) => (dated ? tickTexts(ticks, step) : ticks.map((t) => short(t, 5))) },
+      { ...axisLook(), label: `${say("bandwidth")} (Hz)`, size: 62, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 4)) }],
     series: [{}, { stroke: "transparent", points: { show: false } }, { stroke: "transparent", points: { show: false } }, { stroke: pageColor("--line-a"), width: 1.8, points: { show: true, size: 6 } }],
     bands: [{ series: [2, 1], fill: pageColor("--band") }], legend: { show: false }, cursor: { drag: { x: false, y: false } },
   })} />;
@@ -95,17 +84,8 @@ function Bandwidth({ checks }: { checks: ValveCheck[] }) {
 function AskForSweep({ machine, service }: { machine: string; service: boolean }) {
   const say = useWords();
   const { session } = useStore();
-  const { tick } = useWatch();
-  const [told, setTold] = useState<Pick<ServiceStatus, "valve_check" | "german"> | null>(null);
+  const told = useService(service);
   const { problem, attempt } = useAttempt();
-  useEffect(() => {
-    if (!service) return;
-    let gone = false;
-    const look = () => void find<{ service: ServiceStatus | null }>("watch/service").then((found) => { if (!gone) setTold(found?.service ?? null); }).catch(() => {});
-    look();
-    const again = setInterval(look, 2000);
-    return () => { gone = true; clearInterval(again); };
-  }, [service, tick]);
   const ask = async () => {
     if (confirm(say("valveSure"))) await attempt(() => post("watch/valve_checks", { machine }));
   };
@@ -122,19 +102,11 @@ function AskForSweep({ machine, service }: { machine: string; service: boolean }
 export function Valve({ overview }: { overview: Overview }) {
   const say = useWords();
   const [query, setUrl] = useUrl();
-  const { tick } = useWatch();
-  const [checks, setChecks] = useState<ValveCheck[] | null>(null);
   const machine = overview.machines.find((m) => m.machine === query.machine) ?? overview.machines[0];
-  useEffect(() => {
-    if (!machine) return;
-    let gone = false;
-    void find<{ valve_checks: ValveCheck[] }>("watch/valve_checks", { machine: machine.machine }).catch(() => null)
-      .then((found) => { if (!gone) setChecks(found?.valve_checks ?? []); });
-    return () => { gone = true; };
-  }, [machine?.machine, tick]);
+  const found = useAnswer<{ valve_checks: ValveCheck[] }>("watch/valve_checks", { machine: machine?.machine ?? "" }, undefined, machine !== undefined);
   if (!machine) return <p class="empty">{say("noMachines")}</p>;
-  const newest = [...(checks ?? [])].reverse();
-  const measured = (checks ?? []).filter((c) => c.outcome === "measured" && c.f0_hz.value !== null && c.damping.value !== null && c.time_s !== null);
+  const checks = found?.valve_checks ?? [], newest = [...checks].reverse();
+  const measured = checks.filter((c) => c.outcome === "measured" && c.f0_hz.value !== null && c.damping.value !== null && c.time_s !== null);
   const cell = (figure: Figure, factor = 1) => interval(figure.value === null ? null : figure.value * factor, figure.std === null ? null : figure.std * factor);
   return (
     <section class="valve">
@@ -143,7 +115,7 @@ export function Valve({ overview }: { overview: Overview }) {
         {overview.machines.map((m) => <option key={m.machine} value={m.machine}>{m.machine}</option>)}
       </select></label>}
       <AskForSweep machine={machine.machine} service={overview.service} />
-      {checks === null ? <p class="empty" role="status">{say("loading")}</p> : checks.length === 0 ? <p class="empty" role="status">{say("valveNone")}</p> : <>
+      {found === undefined ? <p class="empty" role="status">{say("loading")}</p> : checks.length === 0 ? <p class="empty" role="status">{say("valveNone")}</p> : <>
         {measured.length > 1 && <div class="plots"><h2>{say("bandwidth")}</h2><Bandwidth checks={measured} /></div>}
         {measured.length > 0 && <div class="plots bode"><h2>{say("bode")}</h2><Bode checks={measured} /></div>}
         <h2>{say("valveChecks")}</h2>

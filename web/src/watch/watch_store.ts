@@ -1,5 +1,6 @@
 // What the page knows of the database that is watched.
 
+import { useEffect, useState } from "preact/hooks";
 import { find, get } from "../api";
 import { knowEffects } from "../effect_titles";
 import { Outside } from "../outside";
@@ -31,3 +32,20 @@ hear((event) => {
 });
 
 export const useWatch = (): State => store.use();
+
+/** An answer about what is watched, asked for anew with each change and, with `every`, after so many ms: what no event tells of.
+ * undefined: none came yet, null: there is none. What was answered stays until another answer comes. */
+export function useAnswer<T>(path: string, query: Record<string, string | number> = {}, every?: number, asked = true): T | null | undefined {
+  const { tick } = useWatch();
+  const [answer, setAnswer] = useState<T | null | undefined>(undefined);
+  const about = JSON.stringify([path, query]);
+  useEffect(() => {
+    if (!asked) return;
+    let gone = false;
+    const look = () => void find<T>(path, query).then((found) => { if (!gone) setAnswer(found); }).catch(() => { if (!gone) setAnswer((known) => known ?? null); });
+    look();
+    const again = every === undefined ? undefined : setInterval(look, every);
+    return () => { gone = true; clearInterval(again); };
+  }, [about, tick, every, asked]);
+  return answer;
+}

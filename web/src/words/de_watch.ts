@@ -13,6 +13,7 @@ export const deWatch: typeof enWatch = {
   serviceNone: "Kein Dienst schreibt sie gerade.",
   journalNone: "Daneben liegt kein Alarmjournal: Es wurde nichts beurteilt.",
   noMachines: "Noch ist nichts gespeichert.",
+  glance: "Wie es den Achsen geht",
   health_F: "Ausfall",
   health_C: "Funktionskontrolle",
   health_S: "Außerhalb der Spezifikation",

@@ -11,6 +11,7 @@ export const enWatch = {
   serviceNone: "No service writes it now.",
   journalNone: "There is no alarm journal beside it: nothing was judged.",
   noMachines: "Nothing is stored yet.",
+  glance: "How the axes are",
   health_F: "Failure",
   health_C: "Function check",
   health_S: "Out of specification",
