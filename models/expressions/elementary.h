@@ -7,8 +7,8 @@
 
 namespace hydroscope {
 
-/// Exponential and logarithm without branches and tables, so that loops over samples run on vectors. Relative
-/// error below 4e-16; the same bits on every processor.
+/// Exponential, logarithm and hyperbolic tangent without branches and tables, so that loops over samples run on vectors.
+/// Relative error below 4e-16, of the last 6e-16; the same bits on every processor.
 
 /// e^x for x in [-708, 709]; arguments outside count as the nearer end. NaN gives NaN.
 inline double Exp(double x) {
