@@ -26,6 +26,12 @@ StateStart StartFrom(const StateFit& fit, const StateModel& model) {
   return start;
 }
 
+/// Whether one leads where the other does.
+bool Alike(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  constexpr double kApart = 0.01;
+  return ((a - b).array().abs() <= kApart * a.array().abs().max(b.array().abs())).all();
+}
+
 StateCandidate NotFitted(const std::vector<std::string>& added) {
   StateCandidate none;
   none.added = added;
@@ -93,7 +99,8 @@ StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
   return Fit(contender.added, contender.model, contender.starts);
 }
 
-StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {
+StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender,
+                                                 const StateCandidate* known) const {
   // Episodes that are no longer than segments need none; one run from the machine file's start is another way to the minimum.
   if (std::all_of(episodes_.begin(), episodes_.end(), [&](const Episode& episode) {
         return episode.rows() - 1 <= options_.fit.segment_rows * episode.mean_rows;
@@ -103,7 +110,9 @@ StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender
   }
   std::vector<StateStart> starts;
   for (const Eigen::VectorXd& from : {contender.starts.front().parameters, FileStart(*contender.model)})
-    if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit))
+    if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit);
+        shot && (starts.empty() || !Alike(starts.front().parameters, shot->parameters)) &&
+        !(known != nullptr && IsWhereItEnded(known->fit, episodes_, *shot, options_.fit.same_minimum)))
       starts.push_back(std::move(*shot));
   if (!starts.empty()) return Fit(contender.added, contender.model, starts);
   return NotFitted(contender.added);
@@ -121,6 +130,8 @@ StateCandidate CandidateFits::FittedFromAfar(const StateCandidate& fitted) const
   StateFitOptions rough = options_.fit;  // its best minimum is fitted on with the others' noise
   rough.polished = 1;
   rough.until_white = true;
+  rough.until_agreed = kEnoughStarts;
+  rough.ended = fitted.fit.parameters;
   rough.iterations = options_.screen_iterations;
   rough.tolerance = options_.screen_tolerance;
   const StateFit afar = FitStates(fitted.fit.model, few_, rough);

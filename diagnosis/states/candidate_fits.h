@@ -37,8 +37,9 @@ class CandidateFits {
   Result<StateContender> Screened(const std::vector<std::string>& added, const StateCandidate& near) const;
   /// From all its starts.
   StateCandidate Fitted(const StateContender& contender) const;
-  /// From what short segments give, of the contender's start and of the machine file's.
-  StateCandidate FittedFromSegments(const StateContender& contender) const;
+  /// From what short segments give, of the contender's start and of the machine file's. What leads where another fit of the set
+  /// ended (`known`, nullptr if there is none) is not fitted again.
+  StateCandidate FittedFromSegments(const StateContender& contender, const StateCandidate* known) const;
   /// From where its law comes nearest to that of another set, if that is nearer than `apart`; else nothing is fitted.
   StateCandidate FittedNear(const StateContender& contender, const StateCandidate& other, double apart) const;
   /// A fitted set from starts all over the ranges, as the model without it.

@@ -40,8 +40,10 @@ class EffectSearch {
 
  private:
   StateFit FitFromAllStarts(const std::shared_ptr<const StateModel>& model) const {
-    if (found_.starts_on.size() == episodes_.size()) return FitStates(model, episodes_, options_.fit);
-    StateFit few = FitStates(model, Chosen(episodes_, found_.starts_on), options_.fit);
+    StateFitOptions best_alone = options_.fit;
+    best_alone.until_white = true;
+    if (found_.starts_on.size() == episodes_.size()) return FitStates(model, episodes_, best_alone);
+    StateFit few = FitStates(model, Chosen(episodes_, found_.starts_on), best_alone);
     if (!few.solved()) return few;
     const StateStart start{few.parameters, {}};
     StateFit all = RefitStates(model, episodes_, std::span(&start, 1), {}, options_.fit);
@@ -116,7 +118,9 @@ class EffectSearch {
       const double best = sets.empty() ? INFINITY : sets.front().held_out;
       for (const StateContender& c : contenders) {
         if (out_.final.held_out - c.foreseen < worth) Take(sets, fits_->Fitted(c));
-        if (single || out_.base_left.structured) Take(sets, fits_->FittedFromSegments(c));
+        if (!single && !out_.base_left.structured) continue;
+        const auto known = std::ranges::find(sets, c.added, &StateCandidate::added);
+        Take(sets, fits_->FittedFromSegments(c, known == sets.end() ? nullptr : &*known));
       }
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -141,9 +142,7 @@ void LeftOutColumns::Add(const StateFit& fit, std::size_t episode, const RowMatr
     if (piece.episode != static_cast<int>(episode)) continue;
     const auto rows = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
     const auto functions = rows.leftCols(size);
-    Eigen::MatrixXd& group = groups_[static_cast<std::size_t>(g)];
-    group.selfadjointView<Eigen::Lower>().rankUpdate(functions.transpose());
-    group.triangularView<Eigen::StrictlyUpper>() = group.transpose();
+    groups_[static_cast<std::size_t>(g)] += ColumnProducts(functions);
     gradient_.col(p) = functions.transpose() * rows.col(size);
     energy_[p] = rows.col(size).squaredNorm();
   }

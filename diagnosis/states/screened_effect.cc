@@ -8,6 +8,7 @@
 
 #include "diagnosis/states/added_effect.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -158,8 +159,7 @@ class EffectScreen {
     const int all = parameters + columns + 1;
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(all, all);
     for (std::size_t e = 0; e < episodes_.size(); ++e) {
-      const RowMatrix tangent = TangentColumns(near_, episodes_[e], e, added, {&near_.residuals[e]});
-      sums += tangent.transpose() * tangent;
+      sums += ColumnProducts(TangentColumns(near_, episodes_[e], e, added, {&near_.residuals[e]}));
     }
     std::vector<Score> scores(draws_.size());
     const Eigen::MatrixXd own = sums.topLeftCorner(parameters, parameters);

@@ -7,6 +7,7 @@
 #include "core/contains.h"
 #include "diagnosis/experiment/rival_separation.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -79,8 +80,7 @@ class ExperimentSearch {
       if (other != rival) differences.push_back(*outputs[other] - *outputs[rival]);
     std::vector<const RowMatrix*> errors;
     for (const RowMatrix& difference : differences) errors.push_back(&difference);
-    const RowMatrix columns = TangentColumns(fit, episode, index, {}, errors);
-    return columns.transpose() * columns;
+    return ColumnProducts(TangentColumns(fit, episode, index, {}, errors));
   }
 
   void TakeRecorded() {

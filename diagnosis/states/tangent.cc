@@ -1,5 +1,6 @@
 #include "diagnosis/states/tangent.h"
 
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -56,10 +57,7 @@ std::vector<Eigen::MatrixXd> PieceProducts(const StateFit& fit, std::span<const 
     for (const StatePiece& piece : fit.pieces) {
       if (piece.episode != static_cast<int>(e)) continue;
       const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
-      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-      products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
-      products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
-      pieces.push_back(std::move(products));
+      pieces.push_back(ColumnProducts(part));
     }
   }
   return pieces;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 #include "estimation/left_out.h"
 
@@ -44,7 +45,7 @@ void TakePieces(const shooting::Task& task, const StateFitOptions& options, Stat
       if (count == 0) continue;
       const auto rows = by_parameter.middleRows(first, count);
       const auto errors = error.segment(first, count);
-      piece.information = rows.transpose() * rows;
+      piece.information = ColumnProducts(rows);
       piece.gradient = rows.transpose() * errors;
       piece.energy = errors.squaredNorm();
       piece.readings = static_cast<int>((errors.array() != 0).count());

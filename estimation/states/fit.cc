@@ -156,6 +156,13 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
 
 }  // namespace
 
+StateFitOptions BestAlone() {
+  StateFitOptions options;
+  options.until_white = true;
+  options.until_agreed = kEnoughStarts;
+  return options;
+}
+
 Eigen::VectorXd RmsOf(const std::vector<RowMatrix>& residuals, int outputs) {
   Eigen::VectorXd energy = Eigen::VectorXd::Zero(outputs), count = energy;
   for (const RowMatrix& residual : residuals)
@@ -195,7 +202,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
     bool again = false;
     if (same != minima.end()) {
       ++same->starts;
-      again = shooting::FarApart(task, begun[static_cast<std::size_t>(same - minima.begin())], start);
+      again = shooting::FarApart(task.scale, begun[static_cast<std::size_t>(same - minima.begin())], start);
     } else {
       minima.push_back({shooting::Unscaled(task, point.q), point.cost, 1});
       begun.push_back(start);
@@ -226,23 +233,33 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
 struct MinimaSearch {
   struct Minimum {
     shooting::Point point;
-    int starts = 1;
+    std::vector<Eigen::VectorXd> ends;  ///< parameters of each start
   };
   std::vector<Minimum> minima;
   int tried = 0, diverged = 0;
 
-  void Add(shooting::Point point, double same_minimum) {
-    const auto same = std::ranges::find_if(minima, [&](const Minimum& m) {
+  /// The minimum that a start ended in, with it.
+  const Minimum& Add(shooting::Point point, const Eigen::VectorXd& end, double same_minimum) {
+    auto same = std::ranges::find_if(minima, [&](const Minimum& m) {
       return std::abs(m.point.cost - point.cost) <= same_minimum * std::min(m.point.cost, point.cost) + 1e-12;
     });
-    if (same == minima.end()) {
-      minima.push_back({std::move(point)});
-      return;
-    }
-    ++same->starts;
+    if (same == minima.end()) same = minima.insert(same, {point, {}});
+    same->ends.push_back(end);
     if (point.cost < same->point.cost) same->point = std::move(point);
+    return *same;
   }
 };
+
+/// Whether so many starts as options.until_agreed ended with the same parameters in this minimum.
+bool HaveAgreed(const shooting::Task& task, const MinimaSearch::Minimum& minimum,
+                const StateFitOptions& options) {
+  if (options.until_agreed <= 0) return false;
+  const auto same = [&](const Eigen::VectorXd& other) {
+    return shooting::SameEnd(task.scale, minimum.ends.back(), other);
+  };
+  const bool known = options.ended.size() > 0 && same(options.ended);
+  return std::ranges::count_if(minimum.ends, same) + (known ? 1 : 0) >= options.until_agreed;
+}
 
 /// A start that costs far more than those before it is given up.
 MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>& starts,
@@ -265,8 +282,9 @@ MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>&
                                                   (search.tried - search.diverged));
     const bool white = options.until_white && point.cost < least && LeavesWhite(task, point);
     least = std::min(least, point.cost);
-    search.Add(std::move(point), options.same_minimum);
-    if (white) break;
+    const Eigen::VectorXd end = shooting::Unscaled(task, point.q);
+    const MinimaSearch::Minimum& minimum = search.Add(std::move(point), end, options.same_minimum);
+    if (white || (minimum.point.cost <= least && HaveAgreed(task, minimum, options))) break;
   }
   std::ranges::sort(search.minima, [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
   return search;
@@ -304,9 +322,10 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
       best = std::move(fit);
     }
   }
-  for (const auto& [point, times] : found)
+  for (const auto& [point, ends] : found)
     best.minima.push_back({shooting::Unscaled(task, point.q),
-                           std::sqrt(point.cost / std::max(found.front().point.cost, 1e-300)), times});
+                           std::sqrt(point.cost / std::max(found.front().point.cost, 1e-300)),
+                           static_cast<int>(ends.size())});
   best.starts_tried = tried;
   best.starts_diverged = diverged;
   return best;
@@ -337,6 +356,32 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
     return none;
   }
   return Finish(std::move(task), std::move(best), weights.size() > 0, false, options);
+}
+
+bool IsWhereItEnded(const StateFit& fit, std::span<const Episode> episodes, const StateStart& start,
+                    double same_minimum) {
+  if (!shooting::SameEnd(shooting::ParameterScale(*fit.model), fit.parameters, start.parameters))
+    return false;
+  StateSimulator simulator(fit.model);
+  simulator.SetParameters(start.parameters);
+  StateRun run;
+  double here = 0, there = 0;
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    const Episode& episode = episodes[e];
+    simulator.Run(episode, 0, episode.rows() - 1, simulator.Initial(episode, start.initial[e]), nullptr, run);
+    if (run.diverged) return false;
+    for (int j = 0; j < fit.model->output.rows; ++j) {
+      const double weight = 1 / (fit.noise[j] * fit.noise[j]);
+      const auto& ended = fit.residuals[e].col(j);
+      for (Eigen::Index row = 0; row < ended.size(); ++row) {
+        const double error = episode.signal(row, fit.model->outputs[j]) - run.outputs(row, j);
+        if (!std::isfinite(error) || !std::isfinite(ended[row])) continue;
+        here += weight * error * error;
+        there += weight * ended[row] * ended[row];
+      }
+    }
+  }
+  return std::abs(here - there) <= same_minimum * there;
 }
 
 std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,

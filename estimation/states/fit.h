@@ -21,15 +21,23 @@ struct StateFitOptions {
   double at_noise = 1.1;
   /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.
   double most_effort = 8;
-  bool until_white = false;  ///< no further start is tried once one leaves white noise
-  int polished = 2;          ///< minima that are fitted to all rows
-  int iterations = 60;       ///< of the last fit
+  bool until_white = false;  ///< no further start is tried once one leaves white noise ...
+  int until_agreed = 0;      ///< ... or so many end in the best minimum; 0: all are tried
+  Eigen::VectorXd
+      ended;         ///< parameters that an earlier start ended with, one that agrees; empty: none is known
+  int polished = 2;  ///< minima that are fitted to all rows
+  int iterations = 60;  ///< of the last fit
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit
   double same_minimum = 0.02;     ///< costs that differ by less are one minimum
   int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
 };
+
+inline constexpr int kEnoughStarts =
+    3;  ///< that end with the same parameters: there is hardly a better minimum
+/// Of fits of which the best minimum alone is asked for.
+StateFitOptions BestAlone();
 
 /// A minimum that starts ended in.
 struct StateMinimum {
@@ -106,6 +114,11 @@ struct StateStart {
 StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                      std::span<const StateStart> starts, const Eigen::VectorXd& weights,
                      const StateFitOptions& options = {});
+
+/// Whether a start of a fit's model leads where that ended: parameters alike, the squares of its errors over the fit's noise no
+/// further from the fit's than a share `same_minimum` of them.
+bool IsWhereItEnded(const StateFit& fit, std::span<const Episode> episodes, const StateStart& start,
+                    double same_minimum);
 
 /// A start for RefitStates from far off: what short segments of the first rows give. Nothing if the model diverges.
 std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,

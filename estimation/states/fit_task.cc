@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace hydroscope::shooting {
@@ -107,17 +108,31 @@ std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& o
   return starts;
 }
 
-bool FarApart(const Task& task, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  constexpr double kFar = 0.25;
-  bool ranged = false;
-  for (std::size_t p = 0; p < task.scale.size(); ++p) {
-    if (!task.scale.ranged(p)) continue;
-    ranged = true;
+namespace {
+
+/// Share of its range by which that parameter differs which differs most; nothing where none has a range.
+std::optional<double> Apart(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  std::optional<double> largest;
+  for (std::size_t p = 0; p < scale.size(); ++p) {
+    if (!scale.ranged(p)) continue;
     const auto at = static_cast<Eigen::Index>(p);
-    const double apart = std::abs(task.scale.ToScaled(p, a[at]) - task.scale.ToScaled(p, b[at]));
-    if (apart >= kFar * (task.scale.high(p) - task.scale.low(p))) return true;
+    const double apart = std::abs(scale.ToScaled(p, a[at]) - scale.ToScaled(p, b[at])),
+                 range = scale.high(p) - scale.low(p);
+    largest = std::max(largest.value_or(0), range > 0 ? apart / range : 0);
   }
-  return !ranged;
+  return largest;
+}
+
+}  // namespace
+
+bool FarApart(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  constexpr double kFar = 0.25;
+  return Apart(scale, a, b).value_or(kFar) >= kFar;
+}
+
+bool SameEnd(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  constexpr double kElsewhere = 0.1;
+  return Apart(scale, a, b).value_or(0) < kElsewhere;
 }
 
 Told DivergedText(const Task& task, const Eigen::VectorXd& theta) {

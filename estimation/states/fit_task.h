@@ -27,7 +27,10 @@ std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& o
 
 /// Whether two starts differ by a quarter of a parameter's range: from close by the same minimum says nothing of others. True where
 /// no parameter has a range, for then there is no other start.
-bool FarApart(const Task& task, const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+bool FarApart(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
+/// Whether starts of the same cost ended in one minimum: no parameter differs by a tenth of its range.
+bool SameEnd(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen::VectorXd& b);
 
 /// Where a model that diverges does so, a sentence.
 Told DivergedText(const Task& task, const Eigen::VectorXd& theta);

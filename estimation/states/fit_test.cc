@@ -84,6 +84,66 @@ TEST_P(FitOfALongRecord, GivesUpStartsThatCostFarMoreThanOthers) {
   EXPECT_EQ(fit.starts_diverged, 2);
 }
 
+TEST_P(FitOfALongRecord, TriesNoFurtherStartOnceEnoughAgree) {
+  options_.start_rows = 1000;
+  options_.starts = 8;
+  // What is left is no white noise.
+  for (int row = 0; row < episode_.rows(); ++row) episode_.signal(row, 1) += 0.3 * std::sin(0.5 * row);
+  EXPECT_EQ(FitStates(model_, std::span(&episode_, 1), options_).starts_tried, 9);
+  options_.until_agreed = 3;
+  const StateFit fit = FitStates(model_, std::span(&episode_, 1), options_);
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_LT(fit.starts_tried, 9);
+  EXPECT_EQ(fit.minima.front().starts, 3);
+  EXPECT_NEAR(fit.parameters[0], kPendulumRate, 5e-4);
+}
+
+TEST_P(FitOfALongRecord, KnowsStartsThatLeadWhereAFitEnded) {
+  const std::span<const Episode> episodes(&episode_, 1);
+  const auto start = ShootStart(model_, episodes, Eigen::VectorXd::Constant(1, 2.4), options_);
+  ASSERT_TRUE(start);
+  const StateFit fit = RefitStates(model_, episodes, std::span(&*start, 1), {});
+  EXPECT_TRUE(IsWhereItEnded(fit, episodes, *start, options_.same_minimum));
+  StateStart beside = *start;
+  beside.parameters[0] += 0.05;  // near it on its range, but a turn and more apart in the end
+  EXPECT_FALSE(IsWhereItEnded(fit, episodes, beside, options_.same_minimum));
+  StateStart afar = *start;
+  afar.parameters[0] = 2.9;
+  EXPECT_FALSE(IsWhereItEnded(fit, episodes, afar, 1e9));
+}
+
+/// The sign of a is not seen: starts of either sign end at the same cost, at different a.
+TEST(Fit, StartsOfOneCostAgreeOnlyWhereTheyEndAtTheSameParameters) {
+  const auto machine = ParseMachine(R"toml([signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+[states]
+x = { ddt = "-x + a^2*u", initial = 0 }
+[outputs]
+y = "x"
+[parameters]
+a = { start = 1.5, min = -3, max = 3 }
+)toml",
+                                    "square");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto model = BuildStateModel(*machine, {}).value();
+  Episode episode;
+  episode.signal = RowMatrix::Zero(400, 2);
+  double x = 0;
+  for (int row = 0; row < 400; ++row) {
+    episode.time.push_back(0.05 * row);
+    episode.signal(row, 0) = row / 40 % 2;
+    episode.signal(row, 1) = x + 0.05 * std::sin(0.3 * row);
+    x += 0.05 * (4 * episode.signal(row, 0) - x);
+  }
+  StateFitOptions options;
+  options.until_agreed = 5;
+  const StateFit fit = FitStates(model, std::span(&episode, 1), options);
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_NEAR(std::abs(fit.parameters[0]), 2, 0.1);
+  EXPECT_GT(fit.minima.front().starts, 5) << "of both signs";
+}
+
 INSTANTIATE_TEST_SUITE_P(Noise, FitOfALongRecord, testing::Values(1, 2, 3));
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/contains.h"
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 #include "estimation/states/white_noise.h"
 
@@ -192,8 +193,7 @@ class GrowingFit {
           run_.slopes.row(at) *= good ? 1 / task_.noise[j] : 0.0;
         }
       sum.cost += 0.5 * error_.squaredNorm();
-      const Eigen::MatrixXd square =
-          factor.asDiagonal() * (run_.slopes.transpose() * run_.slopes) * factor.asDiagonal();
+      const Eigen::MatrixXd square = factor.asDiagonal() * ColumnProducts(run_.slopes) * factor.asDiagonal();
       const Eigen::VectorXd slope = factor.cwiseProduct(run_.slopes.transpose() * error_);
       const int at = n + static_cast<int>(e) * free;
       sum.hessian.topLeftCorner(n, n) += square.topLeftCorner(n, n);

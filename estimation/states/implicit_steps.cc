@@ -79,6 +79,31 @@ inline void Combine(const double* base, const double* k, const double* weights, 
     CombineLong(base, k, weights, count, step, size, out);
 }
 
+/// b = a^-1 b by Gauss's elimination with pivots from the columns; `a` n x n and `b` n x `columns`, row by row. What is singular
+/// leaves numbers that are not finite. For few states, where a factorisation of any size costs more than what it computes.
+inline void SolveFew(std::size_t n, std::size_t columns, double* a, double* b) {
+  for (std::size_t c = 0; c < n; ++c) {
+    std::size_t pivot = c;
+    for (std::size_t r = c + 1; r < n; ++r)
+      if (std::abs(a[r * n + c]) > std::abs(a[pivot * n + c])) pivot = r;
+    if (pivot != c) {
+      std::swap_ranges(a + c * n, a + (c + 1) * n, a + pivot * n);
+      std::swap_ranges(b + c * columns, b + (c + 1) * columns, b + pivot * columns);
+    }
+    for (std::size_t r = c + 1; r < n; ++r) {
+      const double factor = a[r * n + c] / a[c * n + c];
+      if (factor == 0) continue;
+      for (std::size_t j = c + 1; j < n; ++j) a[r * n + j] -= factor * a[c * n + j];
+      for (std::size_t j = 0; j < columns; ++j) b[r * columns + j] -= factor * b[c * columns + j];
+    }
+  }
+  for (std::size_t r = n; r-- > 0;) {
+    for (std::size_t k = r + 1; k < n; ++k)
+      for (std::size_t j = 0; j < columns; ++j) b[r * columns + j] -= a[r * n + k] * b[k * columns + j];
+    for (std::size_t j = 0; j < columns; ++j) b[r * columns + j] /= a[r * n + r];
+  }
+}
+
 }  // namespace
 
 /// Rates of the sensitivities at the point that RateAndSlopes looked at.
@@ -88,28 +113,30 @@ void StateSimulator::SlopesOfRate(const double* s, double* out) {
                {slopes_registers_.data(), held_.data(), stage_added_.data()}, s, out);
 }
 
+/// 1 - gamma * step * df/dx at the point that RateAndSlopes looked at, row by row; states that are held do not move.
+void StateSimulator::StageMatrix(double step, double* matrix) const {
+  std::fill_n(matrix, states_ * states_, 0.0);
+  for (int i = 0; i < states_; ++i) matrix[i * states_ + i] = 1;
+  for (const auto& [row, column, place] : entries_.by_states)
+    if (held_[row] == 0) matrix[row * states_ + column] -= kGamma * step * slopes_registers_[place];
+}
+
 /// k = f(base + step * gamma * k) by Newton's method, from the k that comes in.
 bool StateSimulator::SolveStage(double fraction, double step, const double* base, double* k) {
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
-  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
   constexpr int kIterations = 12;
-  std::array<double, kMaxStates> x, rate;
-  const auto& entries = model_->dynamics.entries;
-  const ExpressionProgram& program = model_->dynamics.slopes;
+  const auto n = static_cast<std::size_t>(states_);
+  std::array<double, kMaxStates> x, rate, change;
+  std::array<double, kMaxStates * kMaxStates> matrix;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (int i = 0; i < states_; ++i) x[i] = base[i] + kGamma * step * k[i];
     RateAndSlopes(x.data(), fraction, rate.data());
-    Square matrix = Square::Identity(states_, states_);
-    for (std::size_t e = 0; e < entries.size(); ++e) {
-      const auto [row, column] = entries[e];
-      if (column >= states_ || held_[row]) continue;
-      matrix(row, column) -=
-          kGamma * step * slopes_registers_[program.output(static_cast<std::size_t>(states_) + e)];
-    }
-    Column residual(states_);
-    for (int i = 0; i < states_; ++i) residual[i] = rate[i] - k[i];
-    if (!residual.allFinite() || !matrix.allFinite()) return false;
-    const Column change = matrix.partialPivLu().solve(residual);
+    StageMatrix(step, matrix.data());
+    for (int i = 0; i < states_; ++i) change[i] = rate[i] - k[i];
+    const auto finite = [](const double* from, std::size_t count) {
+      return std::all_of(from, from + count, [](double value) { return std::isfinite(value); });
+    };
+    if (!finite(change.data(), n) || !finite(matrix.data(), n * n)) return false;
+    SolveFew(n, 1, matrix.data(), change.data());
     double worst = 0;
     for (int i = 0; i < states_; ++i) {
       k[i] += change[i];
@@ -122,10 +149,10 @@ bool StateSimulator::SolveStage(double fraction, double step, const double* base
 }
 
 bool StateSimulator::ImplicitStep(double fraction, double share, double period, double& error) {
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
   const double step = share * period;
   const auto n = static_cast<std::size_t>(states_), size = n * static_cast<std::size_t>(columns_);
   std::array<double, kMaxStates> base, x, rate;
+  std::array<double, kMaxStates * kMaxStates> matrix;
   for (int s = 0; s < kImplicitStages; ++s) {
     const auto at = static_cast<std::size_t>(s);
     Combine(x_.data(), k_.data(), kImplicitA[s], s, step, n, base.data());
@@ -138,16 +165,8 @@ bool StateSimulator::ImplicitStep(double fraction, double share, double period, 
     Combine(s_.data(), ks_.data(), kImplicitA[s], s, step, size, stage_s_.data());
     double* ks = ks_.data() + at * size;
     SlopesOfRate(stage_s_.data(), ks);
-    Square matrix = Square::Identity(states_, states_);
-    for (std::size_t e = 0; e < model_->dynamics.entries.size(); ++e) {
-      const auto [row, column] = model_->dynamics.entries[e];
-      if (column >= states_ || held_[row]) continue;
-      matrix(row, column) -=
-          kGamma * step *
-          slopes_registers_[model_->dynamics.slopes.output(static_cast<std::size_t>(states_) + e)];
-    }
-    Eigen::Map<RowMatrix> slopes(ks, states_, columns_);
-    slopes = matrix.partialPivLu().solve(slopes).eval();
+    StageMatrix(step, matrix.data());
+    SolveFew(n, static_cast<std::size_t>(columns_), matrix.data(), ks);
   }
   error = 0;
   const double* weights = kImplicitA[kImplicitStages - 1];

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace hydroscope::shooting {
@@ -47,14 +48,16 @@ class SegmentCost : public ceres::CostFunction {
     const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
     const bool want = jacobians != nullptr;
     if (task_.GivenUp()) return false;
-    // The line search looks at a step with slopes, and so does the fit once it is taken.
-    if (!want) {
-      task_.Run(episode, segment_, x0, nullptr, simulator_, plain_);
-    } else if (!IsKnown(q, z)) {
+    // The line search looks at a step with slopes, then the fit without them, and with them again once it is taken.
+    const bool known = IsKnown(q, z);
+    if (want && !known) {
+      KnowFromNowOn(q, z);
       SlopesAtStart(by_parameter);
       task_.Run(episode, segment_, x0, &start_slopes_, simulator_, run_);
+    } else if (!known) {
+      task_.Run(episode, segment_, x0, nullptr, simulator_, plain_);
     }
-    const StateRun& run = want ? run_ : plain_;
+    const StateRun& run = want || known ? run_ : plain_;
     if (run.diverged) return false;
     Fill(episode, run, residuals);
     const double* next = segment_.joined ? blocks[block] : nullptr;
@@ -66,13 +69,17 @@ class SegmentCost : public ceres::CostFunction {
   }
 
  private:
-  /// Whether the last run with slopes was of this point; from then on it is.
+  /// Whether the last run with slopes was of this point.
   bool IsKnown(const double* q, const double* z) const {
-    std::vector<double> point(q, q + task_.scale.size());
-    if (z != nullptr) point.insert(point.end(), z, z + free_.size());
-    if (point == known_) return true;
-    known_ = std::move(point);
-    return false;
+    return known_ &&
+           std::equal(known_->begin(), known_->begin() + static_cast<std::ptrdiff_t>(task_.scale.size()),
+                      q) &&
+           (z == nullptr ||
+            std::equal(z, z + free_.size(), known_->end() - static_cast<std::ptrdiff_t>(free_.size())));
+  }
+  void KnowFromNowOn(const double* q, const double* z) const {
+    known_.emplace(q, q + task_.scale.size());
+    if (z != nullptr) known_->insert(known_->end(), z, z + free_.size());
   }
   void SlopesAtStart(const RowMatrix& by_parameter) const {
     const auto parameters = static_cast<int>(task_.scale.size());

@@ -119,6 +119,7 @@ class StateSimulator {
   bool ImplicitStep(double fraction, double share, double period, double& error);
   bool SolveStage(double fraction, double step, const double* base, double* k);
   void SlopesOfRate(const double* state_slopes, double* out);
+  void StageMatrix(double step, double* matrix) const;
   bool Clamp();
   void Correct(const Episode& episode, int row, const StateRun& run);
   void Output(int row, StateRun& run);

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 namespace hydroscope {
 
-/// Exponential and logarithm without branches and tables, so that loops over samples run on vectors. Relative
-/// error below 4e-16; the same bits on every processor.
+/// Exponential, logarithm and hyperbolic tangent without branches and tables, so that loops over samples run on vectors.
+/// Relative error below 4e-16, of the last 6e-16; the same bits on every processor.
 
 /// e^x for x in [-708, 709]; arguments outside count as the nearer end. NaN gives NaN.
 inline double Exp(double x) {
@@ -59,6 +60,26 @@ inline double Log(double x) {
   const double half_square = 0.5 * f * f;
   const double low = s * (half_square + r) + k * kLn2Low;
   return k * kLn2High - ((half_square - low) - f) + (x - x);
+}
+
+/// tanh x for any x. With e = exp(-2|x|) - 1, taken without the difference: tanh|x| = -e/(2 + e).
+inline double Tanh(double x) {
+  constexpr double kLog2E = 0x1.71547652b82fep0;
+  constexpr double kLn2High = 0x1.62e42fee00000p-1, kLn2Low = 0x1.a39ef35793c76p-33;
+  constexpr double kShift = 0x1.8p52;
+  const double y = std::max(-2.0 * std::abs(x), -40.0);  // beyond, tanh is 1 to the last bit
+  const double shifted = y * kLog2E + kShift;
+  const double n = shifted - kShift;
+  const double r = (y - n * kLn2High) - n * kLn2Low, r2 = r * r, r4 = r2 * r2;
+  // (exp(r) - 1 - r)/r^2 by Taylor's series, in pairs: none of its sums waits for all others.
+  const double low = (0.5 + r * (1.0 / 6.0)) + r2 * (1.0 / 24.0 + r * (1.0 / 120.0));
+  const double middle = (1.0 / 720.0 + r * (1.0 / 5040.0)) + r2 * (1.0 / 40320.0 + r * (1.0 / 362880.0));
+  const double high =
+      (1.0 / 3628800.0 + r * (1.0 / 39916800.0)) + r2 * (1.0 / 479001600.0 + r * (1.0 / 6227020800.0));
+  const double grown = r + r2 * (low + r4 * (middle + r4 * high));
+  const double scale = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
+  const double e = scale * grown + (scale - 1.0);
+  return std::copysign(-e / (2.0 + e), x);
 }
 
 }  // namespace hydroscope

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/expressions/elementary.h"
 #include "models/expressions/graph.h"
 
 namespace hydroscope {
@@ -43,7 +44,7 @@ namespace hydroscope {
     case Operation::kCosh:
       return std::cosh(a);
     case Operation::kTanh:
-      return std::tanh(a);
+      return Tanh(a);
     default:
       return a;
   }

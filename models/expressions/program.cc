@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include "core/wide.h"
-#include "models/expressions/elementary.h"
 #include "models/expressions/operation.h"
 
 namespace hydroscope {

@@ -80,7 +80,7 @@ std::string StateBehind(const Machine& machine, const OutputSpec& output, bool u
 double ErrorWith(const MissingLimit& limit, const StateFit& fit, std::span<const Episode> episodes) {
   const auto model = BuildStateModel(WithLimit(fit.model->machine, limit), fit.model->effects);
   if (!model) return 1;
-  const StateFit with = FitStates(*model, episodes);
+  const StateFit with = FitStates(*model, episodes, BestAlone());
   if (!with.solved()) return 1;
   return std::sqrt(with.noise.cwiseQuotient(fit.noise).squaredNorm() / static_cast<double>(fit.noise.size()));
 }

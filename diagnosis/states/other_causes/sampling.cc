@@ -7,6 +7,7 @@
 
 #include "core/short_number.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/column_products.h"
 #include "estimation/decompositions.h"
 #include "estimation/states/fit_task.h"
 
@@ -128,7 +129,7 @@ class OtherSamplings {
     for (std::size_t e = 0; e < few_.size(); ++e) {
       const RowMatrix columns = TangentColumns(fit, few_[e], e, {}, {&rates[e], &fit.residuals[e]});
       if (e == 0) products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-      products += columns.transpose() * columns;
+      products += ColumnProducts(columns);
     }
     const Eigen::Index last = products.rows() - 1;
     std::vector<Eigen::Index> others;

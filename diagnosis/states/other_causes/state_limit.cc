@@ -26,7 +26,7 @@ double ErrorWithout(int state, bool upper, const StateFit& fit, std::span<const 
   (upper ? spec.max : spec.min).clear();
   const auto model = BuildStateModel(machine, fit.model->effects);
   if (!model) return 1;
-  const StateFit without = FitStates(*model, episodes);
+  const StateFit without = FitStates(*model, episodes, BestAlone());
   if (!without.solved()) return 1;
   return std::sqrt(without.noise.cwiseQuotient(fit.noise).squaredNorm() /
                    static_cast<double>(fit.noise.size()));
