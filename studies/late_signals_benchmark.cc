@@ -84,17 +84,32 @@ void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
   t.twin_gains = std::min(t.twin_gains, gains[1] / gains[0]);
 }
 
+/// A line for a log whose set has the other one of the two alone.
+std::string MissedLate(int number, const LateCase& c, const Explanation& x) {
+  if (!Contains(x.set, c.twin) || Contains(x.set, c.truth)) return "";
+  std::string line = fmt::format("wrong: log {}, {} hidden:", number, c.truth);
+  for (const RankedEffect& r : x.ranking)
+    if (r.fit.solved && (r.id == c.truth || r.id == c.twin))
+      line += fmt::format(" {} gains {:.0f} and leaves {:.3f} of the noise energy;", r.id, r.gain,
+                          r.fit.excess_ratio);
+  line.back() = '\n';
+  return line;
+}
+
 }  // namespace
 
 int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
   const auto& [cases, seed] = options;
   std::array<LateTally, kSignals.size()> tallies;
+  std::string missed;
   ProgressBar progress("late signals", "logs");
   for (int i = 0; i < cases; ++i) {
     const LateCase c = DrawLateCase(i, seed);
     const auto strokes = StrokesOf(SimulatePress(c.options), MachineFor(c.options), KeepSamples::kYes);
     if (!strokes) return ReportError(strokes.error());
-    CountLate(c, ExplainSamples(strokes->model, strokes->stretches, strokes->window), tallies[c.signal]);
+    const Explanation x = ExplainSamples(strokes->model, strokes->stretches, strokes->window);
+    CountLate(c, x, tallies[c.signal]);
+    missed += MissedLate(i, c, x);
     progress.Update((i + 1.0) / cases, i + 1);
   }
   std::cout << fmt::format("{} logs with one signal late or filtered, seed {}\n\n", cases, seed)
@@ -109,6 +124,7 @@ int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
     wrong += t.wrong;
   }
   std::cout
+      << missed
       << "\nleaves: most of the noise energy that it leaves more than the other; a twin that leaves so much more is given up\n"
       << "gains: least of what the truth gains that the twin does\n";
   return wrong == 0 ? 0 : 1;
