@@ -138,9 +138,7 @@ void DoubtForCommand(const LogStrokes& log, Explanation& x) {
       return effect->id == id && effect->correct && effect->unit == "s";
     });
   };
-  if (std::ranges::count_if(x.groups,
-                            [&](const auto& group) { return std::ranges::all_of(group, is_late); }) < 2)
-    return;
+  if (std::ranges::count_if(x.groups, [&](const auto& group) { return is_late(group.front()); }) < 2) return;
   for (const StandstillRule& rule : KindOf(log.machine).standstill) {
     const int signal = log.machine.SignalIndex(std::string(rule.signal));
     if (rule.command.empty() || signal < 0) continue;
@@ -254,8 +252,8 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
       log.machine, [&](int channel) { return HasSamples(log, *x.model, channel); }, out.explanation);
   DoubtForStorage(floor, out.explanation);
   DoubtForResolution(floor, out.explanation);
-  DoubtForEcho(log, out.explanation);
   DoubtForCommand(log, out.explanation);
+  DoubtForEcho(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.
