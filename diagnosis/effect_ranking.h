@@ -35,7 +35,8 @@ const NonlinearParameter* NumberAtItsLimit(const ModelStructure& model, const Ef
 
 /// The effects of a group that may be the one (Explanation::groups), those together that leave the very same error on every stroke: no
 /// stroke like these tells them apart, so they are one answer. Each in the order of the group.
-std::vector<std::vector<std::string>> ClassesOf(const Explanation& explanation, const std::vector<std::string>& group);
+std::vector<std::vector<std::string>> ClassesOf(const Explanation& explanation,
+                                                const std::vector<std::string>& group);
 
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.

@@ -7,10 +7,13 @@ namespace hydroscope {
 /// What physics asks of two pressures of a machine, by which their columns are told from one another.
 struct PressureRule {
   enum class Law {
-    kBelow,       ///< `lower` stands above `higher` for moments at most
-    kFilled,      ///< ... while `driven_by`, less than -`open`, lets oil from `higher` into `lower`: nor do the two stand alike
-    kPressedOut,  ///< `driven_by` beyond `open` lets oil out of `higher`, which is pressed out, beyond -`open` into it: `higher` is the
-                  ///< chamber whose pressure rises as its oil leaves, and `lower` need not move
+    /// `lower` stands above `higher` for moments at most.
+    kBelow,
+    /// `higher` fills chamber `lower` while `driven_by` is less than -`open`: then `lower` stands below it but for moments.
+    kFilled,
+    /// More than `open` of `driven_by` lets oil out of chamber `higher`, less than -`open` into it: its pressure rises as its oil leaves,
+    /// being pressed out, and `lower` need not move.
+    kPressedOut,
   };
   std::string lower, higher;
   Law law = Law::kBelow;

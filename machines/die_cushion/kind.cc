@@ -132,7 +132,11 @@ const std::array<StandstillRule, 2> kCushionStandstill = {{
 const std::array<PressureRule, 3> kCushionPressures = {{
     {.lower = "p_B", .higher = "p_0"},
     {.lower = "p_A", .higher = "p_0", .law = PressureRule::Law::kFilled, .driven_by = "y_v", .open = kOpen},
-    {.lower = "p_B", .higher = "p_A", .law = PressureRule::Law::kPressedOut, .driven_by = "y_v", .open = kOpen},
+    {.lower = "p_B",
+     .higher = "p_A",
+     .law = PressureRule::Law::kPressedOut,
+     .driven_by = "y_v",
+     .open = kOpen},
 }};
 
 MachineWords CushionWords(const Machine&) {
