@@ -10,8 +10,8 @@ namespace hydroscope {
 /// Finds rows that a log holds again under other time stamps: a buffer that was written twice, files that overlap. They are
 /// no further evidence. Rows count as copies where 32 and more follow one another as rows before did, every value the
 /// very same, of which two at least are of channels with noise: chance does not make them, and a machine without noise that
-/// repeats its cycle is left alone. The last 31 rows are held back: what comes shows whether they are copies. Remembers the last quarter of a million rows. Does not depend on how rows are cut
-/// into blocks.
+/// repeats its cycle is left alone. The last 31 rows are held back: what comes shows whether they are copies. Remembers the last
+/// quarter of a million rows. Does not depend on how rows are cut into blocks.
 class RepeatedRows {
  public:
   explicit RepeatedRows(std::size_t signals);

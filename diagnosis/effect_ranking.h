@@ -74,8 +74,8 @@ class EffectRanking {
   /// Whether an effect stays in the set beside the best one: as good a rival where what a further law might still put right has
   /// gained `gain`, its twin, or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
   bool StaysBeside(const Contender& candidate, const Contender& best, double gain) const;
-  /// Effects of the ranking on top of `on` that stand out, or are twins of the first one, and stay beside it, itself included. `complete`: the first
-  /// leaves nothing to a further law, which would tell that its own is not quite right.
+  /// Effects of the ranking on top of `on` that stand out, or are twins of the first one, and stay beside it, itself included.
+  /// `complete`: the first leaves nothing to a further law, which would tell that its own is not quite right.
   std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
                                   bool complete) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
