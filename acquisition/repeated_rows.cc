@@ -1,6 +1,10 @@
 #include "acquisition/repeated_rows.h"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
+
+#include "acquisition/held_back.h"
 
 namespace hydroscope {
 namespace {
@@ -29,16 +33,27 @@ std::uint64_t HashOf(const SampleBlock& block, std::size_t row) {
 RepeatedRows::RepeatedRows(std::size_t signals)
     : channels_(signals), hashes_(kRowsRemembered), latest_(kRowsRemembered, -1) {}
 
-void RepeatedRows::Flag(SampleBlock& block) {
-  for (std::size_t row = 0; row < block.rows(); ++row, ++row_) {
+void RepeatedRows::Inspect(SampleBlock& block) {
+  const std::size_t held = held_.rows();
+  AppendRows(block, held_);
+  std::swap(block, held_);
+  for (std::size_t row = held; row < block.rows(); ++row, ++row_) {
     const std::uint64_t hash = HashOf(block, row);
     if (Changes(block, row)) Compare(hash);
     latest_[hash % kRowsRemembered] = row_;
     hashes_[Slot(row_)] = hash;
     if (same_ < kRowsToProve) continue;
-    ++copies_;
-    for (auto& flags : block.quality) flags[row] |= quality::kDuplicate;
+    const std::size_t flagged = same_ == kRowsToProve ? std::min<std::size_t>(kRowsToProve, row + 1) : 1;
+    copies_ += static_cast<std::int64_t>(flagged);
+    for (auto& flags : block.quality)
+      for (std::size_t back = 0; back < flagged; ++back) flags[row - back] |= quality::kDuplicate;
   }
+  held_ = TakeLastRows(block, std::min<std::size_t>(kRowsToProve - 1, block.rows()));
+}
+
+void RepeatedRows::Flush(SampleBlock& block) {
+  block = std::move(held_);
+  held_ = {};
 }
 
 /// Whether enough channels with noise differ from the row before.

@@ -8,15 +8,17 @@
 namespace hydroscope {
 
 /// Finds rows that a log holds again under other time stamps: a buffer that was written twice, files that overlap. They are
-/// no further evidence. Rows count as copies from the 32nd one on that follow one another as rows before did, every value the
+/// no further evidence. Rows count as copies where 32 and more follow one another as rows before did, every value the
 /// very same, of which two at least are of channels with noise: chance does not make them, and a machine without noise that
-/// repeats its cycle is left alone. Remembers the last quarter of a million rows. Does not depend on how rows are cut
-/// into blocks.
+/// repeats its cycle is left alone. The last 31 rows are held back: what comes shows whether they are copies. Remembers the last
+/// quarter of a million rows. Does not depend on how rows are cut into blocks.
 class RepeatedRows {
  public:
   explicit RepeatedRows(std::size_t signals);
-  /// Adds kDuplicate to all values of such rows.
-  void Flag(SampleBlock& block);
+  /// Adds kDuplicate to all values of such rows. Afterwards `block` holds the rows to be processed.
+  void Inspect(SampleBlock& block);
+  /// Fills `block` with the rows held back.
+  void Flush(SampleBlock& block);
   std::int64_t copies() const { return copies_; }  ///< rows flagged so far
 
  private:
@@ -36,6 +38,7 @@ class RepeatedRows {
   std::int64_t distance_ = 0;          ///< rows back to those that are repeated; 0: none are
   std::int64_t copies_ = 0;
   std::int64_t same_ = 0;  ///< rows in a row that were the same at that distance
+  SampleBlock held_;
 };
 
 }  // namespace hydroscope

@@ -34,16 +34,24 @@ void Copy(std::size_t from, std::size_t to, std::size_t count, SampleBlock& bloc
 std::vector<std::size_t> Flagged(const SampleBlock& all, std::size_t rows_at_once) {
   RepeatedRows repeated(kChannels);
   std::vector<std::size_t> flagged;
+  std::size_t seen = 0;
+  const auto take = [&](const SampleBlock& block) {
+    for (std::size_t k = 0; k < block.rows(); ++k, ++seen)
+      if ((block.quality[kChannels - 1][k] & quality::kDuplicate) != 0) flagged.push_back(seen);
+  };
+  SampleBlock block;
   for (std::size_t at = 0; at < all.rows(); at += rows_at_once) {
     const std::size_t rows = std::min(rows_at_once, all.rows() - at);
-    SampleBlock block;
+    block = {};
     block.Resize(kChannels, rows);
     for (std::size_t c = 0; c < kChannels; ++c)
       std::copy_n(all.signal[c].begin() + static_cast<std::ptrdiff_t>(at), rows, block.signal[c].begin());
-    repeated.Flag(block);
-    for (std::size_t k = 0; k < rows; ++k)
-      if ((block.quality[kChannels - 1][k] & quality::kDuplicate) != 0) flagged.push_back(at + k);
+    repeated.Inspect(block);
+    take(block);
   }
+  repeated.Flush(block);
+  take(block);
+  EXPECT_EQ(seen, all.rows());
   EXPECT_EQ(repeated.copies(), static_cast<std::int64_t>(flagged.size()));
   return flagged;
 }
@@ -54,9 +62,9 @@ TEST(RepeatedRows, FlagsABlockThatWasWrittenTwice) {
   Copy(1000, 1300, 300, rows);
   const auto flagged = Flagged(rows, 4000);
   ASSERT_FALSE(flagged.empty());
-  EXPECT_EQ(flagged.front(), 1300u + 31);
+  EXPECT_EQ(flagged.front(), 1300u);
   EXPECT_EQ(flagged.back(), 1599u);
-  EXPECT_EQ(flagged.size(), 300u - 31);
+  EXPECT_EQ(flagged.size(), 300u);
 }
 
 TEST(RepeatedRows, DoesNotDependOnTheBlocks) {

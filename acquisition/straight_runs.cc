@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/held_back.h"
+
 namespace hydroscope {
 namespace {
 
@@ -17,28 +19,6 @@ constexpr double kOpposedBends = 0.3;
 constexpr double kRareRun = 1e-8;
 constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 6;
 
-/// Puts the rows of `back` behind those of `front`.
-void Append(const SampleBlock& back, SampleBlock& front) {
-  front.signal.resize(back.signal.size());
-  front.quality.resize(back.quality.size());
-  front.time.insert(front.time.end(), back.time.begin(), back.time.end());
-  for (std::size_t c = 0; c < back.signal.size(); ++c) {
-    front.signal[c].insert(front.signal[c].end(), back.signal[c].begin(), back.signal[c].end());
-    front.quality[c].insert(front.quality[c].end(), back.quality[c].begin(), back.quality[c].end());
-  }
-}
-
-/// Takes the last `rows` rows off `block`.
-SampleBlock TakeEnd(SampleBlock& block, std::size_t rows) {
-  const auto at = static_cast<std::ptrdiff_t>(block.rows() - rows);
-  SampleBlock end;
-  end.time.assign(block.time.begin() + at, block.time.end());
-  for (const auto& column : block.signal) end.signal.emplace_back(column.begin() + at, column.end());
-  for (const auto& column : block.quality) end.quality.emplace_back(column.begin() + at, column.end());
-  block.Resize(block.signal.size(), block.rows() - rows);
-  return end;
-}
-
 }  // namespace
 
 StraightRuns::StraightRuns(std::size_t signals) : channels_(signals) {}
@@ -49,12 +29,12 @@ void StraightRuns::Inspect(SampleBlock& block) {
     Learn(block.signal[c], channels_[c]);
     Judge(channels_[c]);
   }
-  Append(block, held_);
+  AppendRows(block, held_);
   std::swap(block, held_);
   std::size_t open = 1;
   for (std::size_t c = 0; c < channels_.size(); ++c)
     open = std::max(open, Flag(block.signal[c], channels_[c], block.quality[c]));
-  held_ = TakeEnd(block, std::min(open, block.rows()));
+  held_ = TakeLastRows(block, std::min(open, block.rows()));
   if (block.rows() == 0) return;
   for (std::size_t c = 0; c < channels_.size(); ++c) channels_[c].last = block.signal[c].back();
 }

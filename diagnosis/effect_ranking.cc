@@ -15,6 +15,9 @@
 namespace hydroscope {
 namespace {
 
+/// Noise variances over all strokes that two effects which are the same differ by: what refining a shape leaves.
+constexpr double kSameOnAllStrokes = 1;
+
 double TwoSidedP(double t, double degrees) {
   if (!(degrees >= 1) || !std::isfinite(t)) return 1.0;
   return StudentTwoSided(t, degrees);
@@ -107,6 +110,28 @@ const Effect::Twin* FindTwin(const ModelStructure& model, std::string_view a, st
       for (const Effect::Twin& twin : effect->twins)
         if ((effect->id == a && twin.id == b) || (effect->id == b && twin.id == a)) return &twin;
   return nullptr;
+}
+
+std::vector<std::vector<std::string>> ClassesOf(const Explanation& explanation,
+                                                const std::vector<std::string>& group) {
+  const auto fit_of = [&](const std::string& id) -> const ExtendedFit* {
+    const auto ranked = std::ranges::find(explanation.ranking, id, &RankedEffect::id);
+    return ranked != explanation.ranking.end() && ranked->fit.solved ? &ranked->fit : nullptr;
+  };
+  const auto are_one = [&](const std::string& a, const std::string& b) {
+    const ExtendedFit *one = fit_of(a), *other = fit_of(b);
+    if (one == nullptr || other == nullptr || FindTwin(*explanation.model, a, b) == nullptr) return false;
+    return Worse(*one, *other).cwiseAbs().sum() < kSameOnAllStrokes * explanation.base.noise_variance;
+  };
+  std::vector<std::vector<std::string>> classes;
+  for (const std::string& id : group) {
+    const auto own = std::ranges::find_if(classes, [&](const auto& c) { return are_one(c.front(), id); });
+    if (own == classes.end())
+      classes.push_back({id});
+    else
+      own->push_back(id);
+  }
+  return classes;
 }
 
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
@@ -373,15 +398,22 @@ bool EffectRanking::StaysWithinItsLimits(const CandidateModel& on, const RankedE
   });
 }
 
+bool EffectRanking::IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const {
+  return candidate.fit.solved && candidate.lawful && candidate.testable &&
+         FindTwin(strokes_.model(), candidate.id, best.id) != nullptr &&
+         IsRival(candidate.fit, best.fit, gain);
+}
+
 std::vector<std::string> EffectRanking::Rivals(const CandidateModel& on,
                                                const std::vector<RankedEffect>& ranking,
                                                bool complete) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
+  const double gain = complete ? 0 : best.gain;
   for (const RankedEffect& candidate : ranking)
-    if (candidate.id == best.id ||
-        (candidate.stands_out && StaysWithinItsLimits(on, candidate, best, complete ? 0 : best.gain)))
+    if (candidate.id == best.id || (candidate.stands_out ? StaysWithinItsLimits(on, candidate, best, gain)
+                                                         : IsWeakTwin(candidate, best, gain)))
       set.push_back(candidate.id);
   return set;
 }

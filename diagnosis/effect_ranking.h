@@ -33,6 +33,11 @@ std::size_t FreeNumbers(const Effect& effect);
 const NonlinearParameter* NumberAtItsLimit(const ModelStructure& model, const EffectChoice& choice,
                                            double limit_share);
 
+/// The effects of a group that may be the one (Explanation::groups), those together that leave the very same error on every stroke: no
+/// stroke like these tells them apart, so they are one answer. Each in the order of the group.
+std::vector<std::vector<std::string>> ClassesOf(const Explanation& explanation,
+                                                const std::vector<std::string>& group);
+
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.
 Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b);
@@ -69,8 +74,8 @@ class EffectRanking {
   /// Whether an effect stays in the set beside the best one: as good a rival where what a further law might still put right has
   /// gained `gain`, its twin, or the same law with fewer free numbers. The one rule, for effects alone and for those of pairs.
   bool StaysBeside(const Contender& candidate, const Contender& best, double gain) const;
-  /// Effects of the ranking on top of `on` that stand out and stay beside the first one, the first one included. `complete`: the first
-  /// leaves nothing to a further law, which would tell that its own is not quite right.
+  /// Effects of the ranking on top of `on` that stand out, or are twins of the first one, and stay beside it, itself included.
+  /// `complete`: the first leaves nothing to a further law, which would tell that its own is not quite right.
   std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
                                   bool complete) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
@@ -94,6 +99,8 @@ class EffectRanking {
   /// A law within its limits: as ranked, or where the data put it at one of them, in the best shape that is not there.
   bool StaysWithinItsLimits(const CandidateModel& on, const RankedEffect& candidate, const RankedEffect& best,
                             double gain) const;
+  /// A twin that explains about as much and misses the limits of what stands out, which the best one just keeps.
+  bool IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const;
   /// Why these strokes cannot test an effect; `separable`: in some shape it is told from the model, `forbidden`: with a size
   /// that physics forbids.
   Told WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const;

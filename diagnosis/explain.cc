@@ -52,6 +52,12 @@ class Explainer {
                          return (e.consistent || !refined) && !ranking_.IsRefuted(e);
                        });
   }
+  /// An effect in the place of one that was found leaves so little more that by itself it would have passed the gate.
+  bool MayTakeThePlace(const ExtendedFit& fit, const ExtendedFit& found) const {
+    const double more = fit.excess_ratio - std::max(0.0, found.excess_ratio);
+    return fit.solved &&
+           more <= options_.floor_excess + options_.left_share * std::max(0.0, start_.fit.excess_ratio);
+  }
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
@@ -208,7 +214,8 @@ void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {
 }
 
 /// An effect easily taken for one that was found may have a part in it: where the strokes let the two share what was found, a
-/// third of it may be the other, and together they give the other more than its standard deviation, both stay.
+/// third of it may be the other, and together they give the other more than its standard deviation, both stay. One that alone would
+/// leave an error is not what was found.
 void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const {
   const auto& effects = strokes_.model().effects;
   for (std::size_t k = 0; k < out.groups.size(); ++k) {
@@ -221,8 +228,11 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
       if (is_named || !other.stands_out || !AreConfused(own, *effects[other.effect]) ||
           FreeNumbers(*effects[other.effect]) > FreeNumbers(own))
         continue;
-      const CandidateModel both = ranking_.With(model, other.fit.effects.back().choice);
-      if (!both.fit.solved) continue;
+      const EffectChoice choice = other.fit.effects.back().choice;
+      std::vector<EffectChoice> in_its_place = model.choices;
+      in_its_place[at] = choice;
+      const CandidateModel both = ranking_.With(model, choice);
+      if (!both.fit.solved || !MayTakeThePlace(strokes_.Fit(in_its_place), model.fit)) continue;
       const EffectEstimate &mine = both.fit.effects[at], &theirs = both.fit.effects.back();
       const bool apart = std::abs(mine.size) - kNormal95 * mine.std >
                          options_.sure_share * std::abs(model.fit.effects[at].size);

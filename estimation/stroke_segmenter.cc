@@ -16,6 +16,8 @@ constexpr double kHoldTime = 0.1;  ///< s
 /// Flags that say a row does not follow the one before at the sample period.
 constexpr Quality kTimeBroken =
     quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
+/// ... and after which it may begin anew with that row itself. A copy of another row is none.
+constexpr Quality kBegins = kTimeBroken & static_cast<Quality>(~quality::kDuplicate);
 
 }  // namespace
 
@@ -89,7 +91,7 @@ void StrokeSegmenter::TakeFlaggedRow(const SampleBlock& block, std::size_t row) 
   for (std::size_t s = 0; s < block.signal.size(); ++s) {
     const Quality flags = block.quality[s][row];
     for (Quality rest = flags; rest != 0; rest &= rest - 1) ++since_stroke_.flagged[std::countr_zero(rest)];
-    bad = bad || (needed_[s] && (flags & ~kTimeBroken) != 0);
+    bad = bad || (needed_[s] && (flags & ~kBegins) != 0);
   }
   if (bad || (row_flags_[row] & kTimeBroken) != 0) Break();
   if (bad) {

@@ -258,6 +258,19 @@ TEST(StrokeSegmenter, AGapRestartsTheBlockGridAtTheRowBehindIt) {
   EXPECT_TRUE(found);
 }
 
+/// A row that repeats another one is no row: nothing begins with it.
+TEST(StrokeSegmenter, NoSegmentBeginsWithACopiedRow) {
+  Motion rows;
+  rows.Rest(0.5).Draw(1.5).Rest(0.5);
+  rows.Step(603, 0, quality::kDuplicate);
+  const Heard heard = Hear(rows);
+  ASSERT_EQ(heard.strokes.size(), 1u);
+  bool found = false;
+  for (const auto& piece : heard.pieces)
+    found = found || (!piece.continues && std::abs(piece.begin - 604 * kGatePeriod) < 1e-9);
+  EXPECT_TRUE(found);
+}
+
 TEST(StrokeSegmenter, ALongGapAndAClockJumpEndTheStroke) {
   for (double by : {2.0, 3600.0, -3600.0}) {
     Motion rows;

@@ -143,7 +143,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   for (const ReadingFaults::Echo& echo : out.echoes = pass.echoes)
     out.notes.push_back(log + ": " + echo.Sentence().english);
-  for (const Told& swapped : out.swapped = pass.swapped) out.notes.push_back(log + ": " + swapped.english);
+  for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
 }
 

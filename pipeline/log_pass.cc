@@ -62,6 +62,10 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   }
   ReadingFaults faults(machine, reader.SamplePeriod());
   SwappedPressures swapped(machine);
+  const auto judge = [&](SampleBlock& block) {
+    if (straight) straight->Inspect(block);
+    monitor.Inspect(block);
+  };
   const auto pass_on = [&](const SampleBlock& block) {
     faults.Observe(block, monitor.channels());
     swapped.Observe(block);
@@ -76,11 +80,15 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
       break;
     }
     if (*rows == 0) break;
-    if (repeated) repeated->Flag(block);
-    if (straight) straight->Inspect(block);
-    monitor.Inspect(block);
+    if (repeated) repeated->Inspect(block);
+    judge(block);
     TRY(pass_on(block));
     progress.Update(reader.Progress(), reader.counters().rows);
+  }
+  if (repeated) {
+    repeated->Flush(block);
+    judge(block);
+    TRY(pass_on(block));
   }
   if (straight) {
     straight->Flush(block);

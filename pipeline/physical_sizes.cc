@@ -41,7 +41,7 @@ std::optional<PlausibleSize> SizeOf(const Machine& machine, const SignalSpec& sp
 std::vector<const char*> UsualUnits(std::string_view si) {
   if (si == "Pa") return {"Pa", "bar", "MPa", "kPa", "psi", "mbar"};
   if (si == "m") return {"mm", "m", "cm", "um"};
-  if (si == "K") return {"degC", "K"};
+  if (si == "K") return {"degC", "K", "degF"};
   return {"1", "%"};
 }
 

@@ -113,10 +113,12 @@ Told ReadingFaults::NoVerdict() const {
     const Unit unit = FindUnit(spec.unit).value_or(Unit{});
     return Tell(
         "signal {} (column {}) jumps {} times from one row to the next, by some {:.2g} {}, first at {:.4g} s, and stays there, "
-        "which no such machine does: a counter that overflows or loses steps. Record its full count, or mend the reading",
+        "which no such machine does: a counter that overflows or loses steps, or pieces of a log that were joined with new time "
+        "stamps. Record its full count, mend the reading, or keep the stamps of the pieces",
         "Signal {} (Spalte {}) springt {}-mal von einer Zeile zur nächsten, um etwa {:.2g} {}, zuerst bei {:.4g} s, und bleibt "
-        "dort, was keine solche Maschine tut: ein Zähler, der überläuft oder Schritte verliert. Den ganzen Zählerstand "
-        "aufzeichnen oder die Anzeige in der Steuerung berichtigen",
+        "dort, was keine solche Maschine tut: ein Zähler, der überläuft oder Schritte verliert, oder Stücke eines Logs, die mit "
+        "neuen Zeitstempeln aneinandergesetzt wurden. Den ganzen Zählerstand aufzeichnen, die Anzeige in der Steuerung berichtigen "
+        "oder die Zeitstempel der Stücke behalten",
         spec.name, spec.column, jumps.count, jumps.size / unit.scale, spec.unit, jumps.first);
   }
   return {};

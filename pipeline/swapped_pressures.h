@@ -24,17 +24,22 @@ class SwappedPressures {
   struct Mean {
     double sum = 0;
     std::int64_t rows = 0;
+    void Add(double pressure) {
+      sum += pressure;
+      ++rows;
+    }
     double value() const { return sum / static_cast<double>(rows); }
   };
   struct Pair {
     const PressureRule* rule = nullptr;
     std::size_t lower = 0, higher = 0, driven_by = 0;
-    std::int64_t rows = 0, above = 0;         ///< of these rows `lower` stands above `higher`
+    std::int64_t rows = 0, above = 0;         ///< in `above` of these `lower` stands above `higher`
     std::array<Mean, 2> of_lower, of_higher;  ///< Pa, as oil leaves the chamber, and as it enters
   };
-  static void Count(double lower, double higher, Pair& pair);
   static void Count(double lower, double higher, double drive, Pair& pair);
   Told Sentence(const Pair& pair) const;
+  Told Above(const Pair& pair, const Told& lower, const Told& higher) const;
+  Told PressedOut(const Pair& pair, const Told& lower, const Told& higher) const;
 
   const Machine& machine_;
   std::vector<Pair> pairs_;

@@ -229,7 +229,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary.evidence_scale = noise.evidence;
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
-  replay.summary.impossible = pass.no_verdict.english;
+  replay.summary.impossible = pass.swapped.empty() ? pass.no_verdict.english : pass.swapped.front().english;
   for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
   for (const Told& swapped : pass.swapped) replay.summary.warnings.push_back(swapped.english);

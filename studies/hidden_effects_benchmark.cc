@@ -73,8 +73,8 @@ struct KindTally {
   int right_alone = 0, at_floor = 0;  ///< the one true effect named; its error within kAtFloor of the floor
   int located = 0, patterned = 0;
   int ambiguous = 0, proposed = 0, by_strokes = 0, resolved = 0,
-      settled = 0;  ///< ambiguous with the truth in the set
-  double set_size = 0;
+      settled = 0;      ///< ambiguous with the truth in the set
+  double set_size = 0;  ///< names, of effects that no stroke tells apart one
 };
 
 Case Draw(int index, std::uint64_t seed, bool healthy) {
@@ -255,7 +255,7 @@ void Count(const Case& c, KindTally& t) {
   if (!named) return;
   t.partial += x.partial;
   ++t.sets;
-  t.set_size += static_cast<double>(x.set.size());
+  for (const auto& group : x.groups) t.set_size += static_cast<double>(ClassesOf(x, group).size());
   const bool any = std::ranges::any_of(c.truth, found);
   const bool all = !c.truth.empty() && std::ranges::all_of(c.truth, found);
   t.first += !c.truth.empty() && Contains(c.truth, x.set.front());

@@ -61,6 +61,11 @@ TEST_F(PhysicalSizes, AWrongUnitOfTheTime) {
   ExpectRefused(log, File("ms.toml"), AllOf(HasSubstr("m/s"), HasSubstr("unit of time")));
 }
 
+TEST_F(PhysicalSizes, AWrongUnitOfTheOilsTemperature) {
+  const std::string log = Simulate("a.csv", 30, 3, {"--oil", "104:110"});  // numbers of a thermometer in degF
+  ExpectRefused(log, kMachine, AllOf(HasSubstr("T_oil"), HasSubstr("unit = \"degF\"")));
+}
+
 TEST_F(PhysicalSizes, AnImpossibleAreaOrPressureDrop) {
   const std::string log = Simulate("a.csv", 30, 3);
   ExpectRefused(log, MachineWith("(A_A *= *\\{ *value *= *)[0-9.]+", "$1 1250000"), HasSubstr("piston area"));

@@ -203,7 +203,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   if (pipeline) {
     check.conditions = survey.conditions();
     check.driving.too_short = pipeline->discarded_strokes();
-    if (check.pass.no_verdict.empty())
+    if (check.pass.no_verdict.empty() && check.pass.swapped.empty())
       TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
     else
       check.parameters = ParametersWithoutFit(

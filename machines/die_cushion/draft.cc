@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "core/units.h"
+#include "models/pressure_rule.h"
 
 namespace hydroscope {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr double kMoving = 0.008;  ///< m/s
 constexpr double kLag = 0.05;      ///< s over which the speed is taken
 constexpr int kRowsToDecide = 50;
-constexpr double kNearlyAlways = 0.95;  ///< of the rows
 
 /// What happens while the pressure is in its upper half and the cushion moves.
 struct Strokes {
@@ -99,7 +99,7 @@ void CheckSupply(const LogSample& log, MachineDraft& draft) {
     rows += std::isfinite(b[i]) && std::isfinite(p[i]);
     above += b[i] > p[i];
   }
-  if (rows < kRowsToDecide || above < kNearlyAlways * rows) return;
+  if (rows < kRowsToDecide || above < PressureRule::kNearlyAlways * rows) return;
   draft.decided.emplace_back(
       "p_B stands above p_0 all the time, which no chamber does: look whether the two columns are swapped",
       "p_B liegt die ganze Zeit über p_0, was keine Kammer tut: nachsehen, ob die beiden Spalten vertauscht sind");

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeastPressure = 5e5, kMostPressure = 1e8;  // Pa
 constexpr double kSlowest = 1e-3, kFastest = 20;             // m/s
 constexpr PlausibleSize kAnyPressure{0, kMostPressure};
+constexpr PlausibleSize kOilOfAPress{248, 363, PlausibleSize::kMean};  // K, over a log
 
 constexpr std::array<MachineInput, 8> kCushionSignals = {{
     Measured("p_A", "Pa", {"pressure in the cylinder chamber A", "Druck in der Zylinderkammer A"},
@@ -26,7 +27,7 @@ constexpr std::array<MachineInput, 8> kCushionSignals = {{
     MayBeMeasured("p_0", "Pa", {"supply pressure", "Versorgungsdruck"}, kAnyPressure),
     MayBeMeasured("p_t", "Pa", {"tank pressure", "Tankdruck"}, kAnyPressure),
     MayBeMeasured("U_v", "V", {"valve command", "Ventilbefehl"}),
-    MayBeMeasured("T_oil", "K", {"oil temperature", "Öltemperatur"}),
+    MayBeMeasured("T_oil", "K", {"oil temperature", "Öltemperatur"}, kOilOfAPress),
 }};
 constexpr std::array<MachineInput, 4> kCushionGeometry = {{
     {.name = "A_A",
@@ -128,9 +129,14 @@ const std::array<StandstillRule, 2> kCushionStandstill = {{
 }};
 
 // Both chambers are filled from the supply, and in a stroke the ram presses the oil out of chamber A.
-const std::array<PressureRule, 2> kCushionPressures = {{
+const std::array<PressureRule, 3> kCushionPressures = {{
     {.lower = "p_B", .higher = "p_0"},
-    {.lower = "p_B", .higher = "p_A", .driven_by = "y_v", .open = kOpen},
+    {.lower = "p_A", .higher = "p_0", .law = PressureRule::Law::kFilled, .driven_by = "y_v", .open = kOpen},
+    {.lower = "p_B",
+     .higher = "p_A",
+     .law = PressureRule::Law::kPressedOut,
+     .driven_by = "y_v",
+     .open = kOpen},
 }};
 
 MachineWords CushionWords(const Machine&) {

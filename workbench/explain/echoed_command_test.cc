@@ -15,7 +15,8 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-TEST(EchoedCommand, SignalsThatSeemLateBehindItAreInDoubt) {
+/// Strokes of a healthy press whose spool column is the command.
+Result<LogStrokes> StrokesOnTheCommand(bool command_measured) {
   PressOptions options;
   options.seconds = 60;
   SimulatedLog log = SimulatePress(options);
@@ -32,8 +33,14 @@ TEST(EchoedCommand, SignalsThatSeemLateBehindItAreInDoubt) {
     signal.column = signal.name;
     if (signal.name == "T_oil") signal.unit = "degC";
   }
+  if (!command_measured)
+    std::erase_if(machine.signals, [](const SignalSpec& signal) { return signal.name == "U_v"; });
   machine.log.time_column = "t";
-  auto strokes = ReadStrokes(path, machine, KeepSamples::kYes);
+  return ReadStrokes(path, machine, KeepSamples::kYes);
+}
+
+TEST(EchoedCommand, SignalsThatSeemLateBehindItAreInDoubt) {
+  auto strokes = StrokesOnTheCommand(true);
   ASSERT_TRUE(strokes) << strokes.error().text;
   EXPECT_THAT(strokes->notes, Contains(HasSubstr("y_v repeats U_v")));
   const auto x = ExplainStrokes(std::move(*strokes));
@@ -41,6 +48,17 @@ TEST(EchoedCommand, SignalsThatSeemLateBehindItAreInDoubt) {
   EXPECT_THAT(x->explanation.set, Contains(HasSubstr("position_signal")));
   EXPECT_TRUE(x->explanation.partial);
   EXPECT_THAT(x->explanation.doubt.english, HasSubstr("y_v is not measured"));
+}
+
+/// Where the machine file has no command, all that is late against the spool tells it.
+TEST(EchoedCommand, InPlaceOfTheReadingMakesAllOthersLate) {
+  auto strokes = StrokesOnTheCommand(false);
+  ASSERT_TRUE(strokes) << strokes.error().text;
+  const auto x = ExplainStrokes(std::move(*strokes));
+  ASSERT_TRUE(x) << x.error().text;
+  EXPECT_EQ(x->explanation.groups.size(), 2u);
+  EXPECT_TRUE(x->explanation.partial);
+  EXPECT_THAT(x->explanation.doubt.english, HasSubstr("y_v that comes early looks the same"));
 }
 
 }  // namespace

@@ -128,6 +128,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.error_alone = ErrorOfEachAlone(history, out.explanation.base.noise_floor);
   RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
+  RefuseImpossibleParameters(KindOf(history.machine), history.units.size(), out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
   for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))
     out.unmeasured.push_back(std::move(effect));

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/json_value.h"
+#include "diagnosis/effect_ranking.h"
 #include "models/output_unit.h"
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/explain_output.h"
@@ -218,6 +219,13 @@ nlohmann::json MeasuredJson(const ExplainResult& result) {
   return out;
 }
 
+/// Of each group the effects that no stroke like these tells apart, together.
+nlohmann::json ClassesJson(const Explanation& x) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& group : x.groups) out.push_back(ClassesOf(x, group));
+  return out;
+}
+
 /// What could be predicted of an error on strokes left out.
 nlohmann::json PredictableJson(const Predictability& left) {
   if (!left.tested) return nullptr;
@@ -237,6 +245,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"verdict", VerdictName(x.verdict)},
       {"set", x.set},
       {"groups", x.groups},
+      {"classes", ClassesJson(x)},
       {"partial", x.partial},
       {"may_be_noise", x.may_be_noise},
       {"small_error", x.small_error},

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/contains.h"
 #include "core/shell_word.h"
+#include "core/short_number.h"
 #include "core/told_error.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/headline.h"
 #include "workbench/explain/untried_causes.h"
 
@@ -127,10 +130,27 @@ void DoubtForEcho(const LogStrokes& log, Explanation& x) {
   x.doubt = log.echoes.front().Sentence();
 }
 
-void DoubtForSwap(const LogStrokes& log, Explanation& x) {
-  if (x.set.empty() || log.swapped.empty()) return;
-  x.partial = true;
-  x.doubt = log.swapped.front();
+/// Two signals late beside one another may as well be a third that comes early, as a command does that stands in the place of what
+/// follows it.
+void DoubtForCommand(const LogStrokes& log, Explanation& x) {
+  const auto is_late = [&](const std::string& id) {
+    return std::ranges::any_of(x.model->effects, [&](const auto& effect) {
+      return effect->id == id && effect->correct && effect->unit == "s";
+    });
+  };
+  if (std::ranges::count_if(x.groups, [&](const auto& group) { return is_late(group.front()); }) < 2) return;
+  for (const StandstillRule& rule : KindOf(log.machine).standstill) {
+    const int signal = log.machine.SignalIndex(std::string(rule.signal));
+    if (rule.command.empty() || signal < 0) continue;
+    const SignalSpec& spec = log.machine.signals[static_cast<std::size_t>(signal)];
+    x.partial = true;
+    x.doubt = Tell(
+        "{0} that comes early looks the same, as a command in the place of its reading does: see whether column {1} is measured",
+        "ein {0}, das zu früh kommt, sieht genauso aus, etwa ein Befehl an Stelle der Messung: nachsehen, ob Spalte {1} gemessen "
+        "ist",
+        spec.name, spec.column);
+    return;
+  }
 }
 
 }  // namespace
@@ -155,6 +175,25 @@ void RefuseVerdict(const Told& why, Explanation& x) {
   x.odd_strokes.clear();
   x.partial = x.may_be_noise = x.small_error = false;
   x.doubt = {};
+}
+
+void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Explanation& x) {
+  if (x.verdict == Verdict::kUnknown) return;
+  const std::vector<Estimate> parameters = BaseParameters(*x.model, x.final, static_cast<int>(strokes));
+  const auto wrong = std::ranges::find_if(parameters, [](const Estimate& e) {
+    return e.reason == EstimateReason::kOutsidePhysics && std::abs(e.value) > kNormal95 * e.std;
+  });
+  if (wrong == parameters.end()) return;
+  const DisplayUnit unit = ParameterUnit(kind, wrong->parameter, wrong->unit);
+  const Told why = Tell(
+      "{} comes out as {} {}, which physics forbids, however well the model fits: check units, signs, zeros and geometry in the "
+      "machine file",
+      "{} kommt als {} {} heraus, was die Physik verbietet, so gut das Modell auch passt: Einheiten, Vorzeichen, Nullpunkte und "
+      "Geometrie in der Maschinendatei prüfen",
+      wrong->parameter, ShortNumber(wrong->value * unit.factor + unit.offset), unit.name);
+  if (x.verdict == Verdict::kAdequate) return RefuseVerdict(why, x);
+  x.partial = true;
+  x.doubt = why;
 }
 
 namespace {
@@ -213,15 +252,18 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
       log.machine, [&](int channel) { return HasSamples(log, *x.model, channel); }, out.explanation);
   DoubtForStorage(floor, out.explanation);
   DoubtForResolution(floor, out.explanation);
+  DoubtForCommand(log, out.explanation);
   DoubtForEcho(log, out.explanation);
-  DoubtForSwap(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.
   if (HasFloorOfItsOwn(out.trust, x)) figures.noise_floor = x.final.noise_floor;
   // Rows too far apart: what they miss looks like an effect, or hides one.
-  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
+  RefuseVerdict(!log.swapped.empty()         ? log.swapped.front()
+                : out.trust.rate.fast_enough ? ImpossibleFigures(figures)
+                                             : out.trust.rate.sentence,
                 out.explanation);
+  RefuseImpossibleParameters(KindOf(log.machine), log.stretches.size(), out.explanation);
   return out;
 }
 

@@ -15,6 +15,7 @@
 #include "core/relative_change.h"
 #include "core/short_number.h"
 #include "core/units.h"
+#include "diagnosis/effect_ranking.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -78,10 +79,16 @@ std::string NamedText(const ExplainResult& result) {
 }
 
 std::string AmbiguousText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const auto is_one = [&](const auto& group) { return ClassesOf(x, group).size() == 1; };
   std::string text =
-      "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it is.\n";
-  for (const auto& group : result.explanation.groups) {
-    text += group.size() > 1 ? "One of these, best first:\n" : "Certain:\n";
+      std::ranges::all_of(x.groups, is_one)
+          ? "NAMED, BUT FOR A TEST OFF THE LOG: the model misses something, and it is known what, as far as strokes tell.\n"
+          : "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it is.\n";
+  for (const auto& group : x.groups) {
+    text += group.size() == 1 ? "Certain:\n"
+            : is_one(group)   ? "One of these, which no stroke like these tells apart:\n"
+                              : "One of these, best first:\n";
     for (const std::string& id : group) text += Described(result, id);
   }
   return text + DriftsText(result);

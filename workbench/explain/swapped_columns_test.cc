@@ -1,4 +1,4 @@
-// A machine file that takes two pressures for one another is told so, whatever its model makes of them.
+// A machine file that takes two pressures for one another is told so, whatever its model makes of them: nothing is concluded.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Result<ExplainResult> ExplainedWith(const std::string& path, Machine machine, co
   return ExplainStrokes(TRY(ReadStrokes(path, machine, KeepSamples::kYes)));
 }
 
-TEST(SwappedColumns, LeaveNoNameProven) {
+TEST(SwappedColumns, LeaveNoVerdict) {
   PressOptions options;
   options.seconds = 60;
   options.effects = {{"internal_leakage", 8e-12, {}}};
@@ -40,12 +40,14 @@ TEST(SwappedColumns, LeaveNoNameProven) {
   ASSERT_TRUE(right) << right.error().text;
   EXPECT_THAT(right->explanation.set, Contains("internal_leakage"));
   EXPECT_FALSE(right->explanation.partial);
-  EXPECT_TRUE(right->log.notes.empty());
+  EXPECT_TRUE(right->log.swapped.empty());
 
   const auto swapped = ExplainedWith(path, machine, "p_B", "p_0");
   ASSERT_TRUE(swapped) << swapped.error().text;
-  EXPECT_THAT(swapped->log.notes, Contains(HasSubstr("p_B (column p_0) stands above p_0 (column p_B)")));
-  EXPECT_TRUE(swapped->explanation.set.empty() || swapped->explanation.partial);
+  EXPECT_THAT(swapped->explanation.no_verdict.english,
+              HasSubstr("p_B (column p_0) stands above p_0 (column p_B)"));
+  EXPECT_EQ(swapped->explanation.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(swapped->explanation.set.empty());
 }
 
 }  // namespace

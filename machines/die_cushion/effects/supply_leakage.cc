@@ -5,6 +5,13 @@
 #include "machines/die_cushion/effects/strokes.h"
 
 namespace hydroscope::effects {
+namespace {
+
+/// Effect::Twin::share, and Effect::Twin::excess: of a leak in or out the right one leaves up to 0.005 of the noise energy more than
+/// another one (90 random machines, each with one of the three).
+constexpr double kLeakShare = 0.9, kLeakExcess = 0.02;
+
+}  // namespace
 
 /// Leak past the valve's worn edge from the supply into chamber A, Q = C sign(dp) sqrt|p_0 - p_A| into it: an edge worn round is
 /// a short opening, not a gap (Merritt 1967, eq. 3-5 and sec. 5-3, leakage of the null).
@@ -20,7 +27,8 @@ Effect SupplyLeakage(const CushionGeometry&) {
   e.typical = 1e-8;
   e.family = {"oil comes in", "Öl strömt zu"};
   // As long as it is small, what comes in from a supply that stands still is a leak out that grows with the pressure less of it.
-  e.twins = {{"internal_leakage"}, {"external_leakage"}};
+  e.twins = {{"internal_leakage", kLeakShare, 0, kLeakExcess},
+             {"external_leakage", kLeakShare, 0, kLeakExcess}};
   e.hidden_in = "y_0";
   e.plain =
       "Oil comes from the supply into chamber A past a closed edge of the valve; look for: a worn or scored supply edge, dirt "
