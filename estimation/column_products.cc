@@ -8,7 +8,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::ptrdiff_t kLanes = 8, kTall = 4, kRows = 64;  ///< of a tile, and of rows that stay in the cache
+constexpr std::ptrdiff_t kLanes = 8, kTall = 4,
+                         kRows = 64;  ///< of a tile, and of rows that stay in the cache
 using ProductLanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 
 /// sums += rows' rows from the diagonal on; rows of `size` numbers, a multiple of kLanes.

@@ -185,9 +185,13 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   double readings = 0;
   for (const Episode& e : task.episodes)
     readings += static_cast<double>(e.rows() / e.mean_rows * task.model->output.rows);
-  std::vector<StateMinimum> minima;
-  std::vector<Eigen::VectorXd> begun;  // where the first start of each minimum began
-  shooting::Point best;
+  struct Reached {
+    StateMinimum minimum;
+    shooting::Point point;  // the best of its starts
+    Eigen::VectorXd begun;  // where the first of them began
+  };
+  std::vector<Reached> reached;
+  double least = std::numeric_limits<double>::infinity();
   int tried = 0, diverged = 0;
   for (const Eigen::VectorXd& start : starts) {
     ++tried;
@@ -196,34 +200,51 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
       ++diverged;
       continue;
     }
-    const auto same = std::ranges::find_if(minima, [&](const StateMinimum& m) {
-      return std::abs(m.cost - point.cost) <= options.same_minimum * std::min(m.cost, point.cost);
+    least = std::min(least, point.cost);
+    const auto same = std::ranges::find_if(reached, [&](const Reached& r) {
+      return std::abs(r.minimum.cost - point.cost) <=
+             options.same_minimum * std::min(r.minimum.cost, point.cost);
     });
     bool again = false;
-    if (same != minima.end()) {
-      ++same->starts;
-      again = shooting::FarApart(task.scale, begun[static_cast<std::size_t>(same - minima.begin())], start);
+    if (same != reached.end()) {
+      ++same->minimum.starts;
+      again = shooting::FarApart(task.scale, same->begun, start) &&
+              same->minimum.cost <= (1 + options.same_minimum) * least;
+      if (point.cost < same->point.cost) same->point = std::move(point);
     } else {
-      minima.push_back({shooting::Unscaled(task, point.q), point.cost, 1});
-      begun.push_back(start);
+      StateMinimum minimum{shooting::Unscaled(task, point.q), point.cost, 1};
+      reached.push_back({std::move(minimum), std::move(point), start});
     }
-    const double least = best.valid ? best.cost : std::numeric_limits<double>::infinity();
-    if (point.cost < least) best = std::move(point);
     // The best minimum again, from elsewhere: there is hardly a better one.
-    if (again && same->cost <= (1 + options.same_minimum) * best.cost) break;
-    if (2 * best.cost <= options.at_noise * readings) break;
+    if (again || 2 * least <= options.at_noise * readings) break;
   }
-  if (!best.valid) {
+  if (reached.empty()) {
     StateFit none;
     none.model = task.model;
     none.failed = shooting::DivergedText(task, starts.front());
     return none;
   }
-  std::ranges::sort(minima, [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  const double lowest = std::max(minima.front().cost, 1e-300);
-  for (StateMinimum& m : minima) m.cost = std::sqrt(m.cost / lowest);
-  StateFit fit = Finish(std::move(task), std::move(best), false, false, options);
-  fit.minima = std::move(minima);
+  std::ranges::sort(reached, {}, [](const Reached& r) { return r.point.cost; });
+  // A start that one output leads astray stops short where the cost is flat: there two of the last fits must agree.
+  const std::size_t enough = SeesMuch(*task.model) || 2 * least <= options.at_noise * readings ? 1 : 2;
+  const auto error_of = [](const StateFit& fit) {
+    return fit.solved() ? fit.ErrorOfVariation() : std::numeric_limits<double>::infinity();
+  };
+  StateFit fit;
+  std::vector<double> errors;
+  for (const Reached& r : reached) {
+    StateFit next = Finish(task, r.point, false, false, options);
+    errors.push_back(error_of(next));
+    if (errors.size() == 1 || errors.back() < error_of(fit)) fit = std::move(next);
+    const double alike = (1 + options.same_minimum) * error_of(fit);
+    if (std::ranges::count_if(errors, [&](double error) { return error <= alike; }) >=
+        static_cast<std::ptrdiff_t>(enough))
+      break;
+  }
+  for (const Reached& r : reached) {
+    fit.minima.push_back(r.minimum);
+    fit.minima.back().cost = std::sqrt(r.minimum.cost / std::max(reached.front().minimum.cost, 1e-300));
+  }
   fit.starts_tried = tried;
   fit.starts_diverged = diverged;
   return fit;

@@ -56,6 +56,13 @@ TEST(PumpStudy, StartsThatBeginCloseToOneAnotherDoNotSettleOnAWrongMinimumOfTheO
   EXPECT_GT(PumpFit(fit), 98);
 }
 
+/// Of this pump's starts the one that costs least stops short where the cost is flat, far from the minimum that others lead to.
+TEST(PumpStudy, TheStartThatCostsLeastNeedNotLeadToTheBestFitOfTheOutletPressure) {
+  const StateFit fit = OutletFit(OutletEpisode(177, 12));
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_GT(PumpFit(fit), 98);
+}
+
 TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
   const Episode episode = OutletEpisode(20);
   const StateFit fit = OutletFit(episode);

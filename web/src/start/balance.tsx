@@ -38,10 +38,11 @@ function ExpressionField({ name, label, expression, write, checked, over, plotte
   );
 }
 
-interface Props { proposal: Proposal | null; picture: LogPicture | null; set: (written: Written) => void }
+/** `write`: something is being written; `set`: what was written, once no key is pressed. */
+interface Props { proposal: Proposal | null; picture: LogPicture | null; write: () => void; set: (written: Written) => void }
 
 /** Balance and effects of a machine of one's own; without a proposal nothing that is written can be looked at yet. */
-export function BalanceEditor({ proposal, picture, set }: Props) {
+export function BalanceEditor({ proposal, picture, write, set }: Props) {
   const say = useWords();
   const balance = proposal?.balance;
   const first: Written = { balance: balance && balance.terms.length > 0 ? balance : { output: balance?.output ?? "", terms: [{ name: "k_1", expression: "" }] }, effects: proposal?.effects ?? [] };
@@ -50,7 +51,9 @@ export function BalanceEditor({ proposal, picture, set }: Props) {
   const touched = useRef(text !== JSON.stringify(first));
   const whole = output.trim() !== "" && terms.length > 0 && terms.every((term) => term.name !== "" && term.expression.trim() !== "") && effects.every((effect) => effect.id !== "" && effect.expression.trim() !== "");
   useEffect(() => {
-    if (!touched.current || !whole || !proposal) return;
+    if (!touched.current || !proposal) return;
+    write();
+    if (!whole) return;
     const timer = setTimeout(() => set(written), pause);
     return () => clearTimeout(timer);
   }, [text]);

@@ -33,11 +33,12 @@ export function useProposal() {
   const asked = useRef<ProposalRequest>(session?.mapping ?? {});
   const chosenUnits = useRef<Record<string, string>>(Object.fromEntries((asked.current.columns ?? []).map(({ signal, column, unit }) => [placeOf(signal, column), unit])));
   const latest = useRef(0), drawn = useRef(false);
-  const [answered, setAnswered] = useState(0);
+  const [answered, setAnswered] = useState(0), [writing, setWriting] = useState(false);  // what is not asked about yet
 
   /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. False: it failed. */
   const propose = useCallback(async (change: ProposalRequest, shown: Partial<Proposal> = {}): Promise<boolean> => {
     asked.current = { ...asked.current, ...change };
+    setWriting(false);
     setProposal((before) => before && { ...before, ...shown });
     const turn = ++latest.current, keys = Object.keys(change);
     if (keys.length === 0 || keys.some((key) => !writtenOnly.includes(key))) drawn.current = false;  // also if a later answer overtakes this one
@@ -95,6 +96,6 @@ export function useProposal() {
     location.hash = "step=check";
     await refresh();
   };
-  return { proposal, awaited, picture, problem, propose, put, setGate, takeKind, keepKind, setGeometry, accept,
-    chosen: Boolean(asked.current.model), settled: answered === latest.current };
+  return { proposal, awaited, picture, problem, propose, put, write: () => setWriting(true), setGate, takeKind, keepKind, setGeometry, accept,
+    chosen: Boolean(asked.current.model), settled: answered === latest.current && !writing };
 }
