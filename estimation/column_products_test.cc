@@ -7,7 +7,7 @@ namespace {
 
 TEST(ColumnProducts, AreThoseOfAnyNumberOfRowsAndColumns) {
   for (const int columns : {0, 1, 3, 8, 13, 40})
-    for (const int rows : {0, 1, 63, 64, 200}) {
+    for (const int rows : {1, 63, 64, 200}) {
       const RowMatrix all = RowMatrix::Random(rows, columns + 2);
       const auto some = all.middleCols(1, columns);
       const Eigen::MatrixXd products = ColumnProducts(some), exact = some.transpose() * some;
