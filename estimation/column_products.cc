@@ -8,36 +8,82 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::ptrdiff_t kLanes = 8, kTall = 4,
-                         kRows = 64;  ///< of a tile, and of rows that stay in the cache
-using ProductLanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
-
-/// sums += rows' rows from the diagonal on; rows of `size` numbers, a multiple of kLanes.
-HYDROSCOPE_WIDE void AddProductsOfRows(const double* rows, std::ptrdiff_t count, std::ptrdiff_t size,
-                                       double* sums) {
-  for (std::ptrdiff_t i = 0; i < size; i += kTall)
-    for (std::ptrdiff_t j = i / kLanes * kLanes; j < size; j += kLanes) {
-      ProductLanes tile[kTall], row;
-      for (std::ptrdiff_t k = 0; k < kTall; ++k) std::memcpy(&tile[k], sums + (i + k) * size + j, sizeof row);
-      for (std::ptrdiff_t r = 0; r < count; ++r) {
-        std::memcpy(&row, rows + r * size + j, sizeof row);
-        for (std::ptrdiff_t k = 0; k < kTall; ++k) tile[k] += rows[r * size + i + k] * row;
-      }
-      for (std::ptrdiff_t k = 0; k < kTall; ++k) std::memcpy(sums + (i + k) * size + j, &tile[k], sizeof row);
+/// Adds packed * packed' on and below the diagonal of kColumns columns from `j` on, one vector of kLanes rows
+/// at a time. Every element is summed in the order of the equations, whatever the width of the vectors.
+template <int kLanes, int kColumns>
+[[gnu::always_inline]] inline void AddColumns(const double* packed, int rows, int count, int j,
+                                              double* lower) {
+  typedef double Vector __attribute__((vector_size(8 * kLanes)));
+  for (int i = j / kLanes * kLanes; i < rows; i += kLanes) {
+    Vector sum[kColumns] = {};
+    for (int k = 0; k < count; ++k) {
+      const double* x = packed + k * rows;
+      Vector tall;
+      std::memcpy(&tall, x + i, sizeof tall);
+      for (int c = 0; c < kColumns; ++c) sum[c] += tall * x[j + c];
     }
+    for (int c = 0; c < kColumns; ++c) {
+      double* place = lower + (j + c) * rows + i;
+      Vector total;
+      std::memcpy(&total, place, sizeof total);
+      total += sum[c];
+      std::memcpy(place, &total, sizeof total);
+    }
+  }
+}
+
+template <int kLanes>
+[[gnu::always_inline]] inline void AddProducts(const double* packed, int rows, int count, int columns,
+                                               double* lower) {
+  int j = 0;
+  for (; j + 4 <= columns; j += 4) AddColumns<kLanes, 4>(packed, rows, count, j, lower);
+  for (; j < columns; ++j) AddColumns<kLanes, 1>(packed, rows, count, j, lower);
+}
+
+using AddProductsFunction = void (*)(const double*, int, int, int, double*);
+void AddProducts128(const double* packed, int rows, int count, int columns, double* lower) {
+  AddProducts<2>(packed, rows, count, columns, lower);
+}
+#ifdef HYDROSCOPE_HAS_WIDE
+[[gnu::target("avx2")]] void AddProducts256(const double* packed, int rows, int count, int columns,
+                                            double* lower) {
+  AddProducts<4>(packed, rows, count, columns, lower);
+}
+[[gnu::target("avx512f")]] void AddProducts512(const double* packed, int rows, int count, int columns,
+                                               double* lower) {
+  AddProducts<8>(packed, rows, count, columns, lower);
+}
+#endif
+
+/// The widest vectors this processor has.
+AddProductsFunction WidestAddProducts() {
+#ifdef HYDROSCOPE_HAS_WIDE
+  if (__builtin_cpu_supports("avx512f")) return AddProducts512;
+  if (__builtin_cpu_supports("avx2")) return AddProducts256;
+#endif
+  return AddProducts128;
 }
 
 }  // namespace
 
+int PaddedColumns(int columns) { return (columns + 7) / 8 * 8; }
+
+void AddColumnProducts(const double* packed, int count, Eigen::MatrixXd& lower) {
+  static const AddProductsFunction add_products = WidestAddProducts();
+  add_products(packed, static_cast<int>(lower.rows()), count, static_cast<int>(lower.cols()), lower.data());
+}
+
 Eigen::MatrixXd ColumnProducts(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& rows) {
-  const std::ptrdiff_t columns = rows.cols(), size = (columns + kLanes - 1) / kLanes * kLanes;
-  RowMatrix sums = RowMatrix::Zero(size, size), some = RowMatrix::Zero(kRows, size);
-  for (std::ptrdiff_t first = 0; first < rows.rows(); first += kRows) {
-    const std::ptrdiff_t count = std::min(kRows, rows.rows() - first);
-    some.topLeftCorner(count, columns) = rows.middleRows(first, count);
-    AddProductsOfRows(some.data(), count, size, sums.data());
+  constexpr Eigen::Index kTogether = 64;  // rows that stay in the cache
+  const auto columns = static_cast<int>(rows.cols());
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(PaddedColumns(columns), columns);
+  RowMatrix packed = RowMatrix::Zero(kTogether, lower.rows());
+  for (Eigen::Index first = 0; first < rows.rows(); first += kTogether) {
+    const Eigen::Index count = std::min(kTogether, rows.rows() - first);
+    packed.topLeftCorner(count, columns) = rows.middleRows(first, count);
+    AddColumnProducts(packed.data(), static_cast<int>(count), lower);
   }
-  return sums.topLeftCorner(columns, columns).selfadjointView<Eigen::Upper>();
+  return lower.topRows(columns).selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace hydroscope

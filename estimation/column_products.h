@@ -4,8 +4,14 @@
 
 namespace hydroscope {
 
-/// rows' rows: of each pair of columns once, several products side by side. Eigen's own, compiled for any x86-64, takes four times
-/// as long.
+/// `columns`, and as many more as whole vectors take.
+int PaddedColumns(int columns);
+
+/// Adds the products of each pair of columns, on and below the diagonal of `lower`, on vectors as wide as the processor has.
+/// `packed`: `count` rows of lower.rows() = PaddedColumns(lower.cols()) numbers, those beyond the columns zero.
+void AddColumnProducts(const double* packed, int count, Eigen::MatrixXd& lower);
+
+/// rows' rows.
 Eigen::MatrixXd ColumnProducts(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& rows);
 
 }  // namespace hydroscope

@@ -19,10 +19,10 @@ if [[ ${1:-} == threads ]]; then
   exit
 fi
 scripts/build.sh sanitize "${folders[@]/%/_test}"
-# Repeat one thing a hundred times, or take ten seconds and more here.
-export long=-*Intervals*:*FindsNothingIn*Noise*:FloorTrust.Believes*:ClosedLoop.*:Imperfections.OfTypicalSize*\
-:ExplainStates.CallsA*:ExplainStates.Names*:ExperimentOfADrift.*:ExperimentTest.Recorded*\
-:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*
+# They repeat one thing a thousand times, or, explaining, take ten seconds and more here.
+export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:ExplainStates.CallsA*:ExplainStates.Names*\
+:ExplainStates.FindsNothing*:ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*\
+:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
 test_folder() {
   local output

@@ -70,8 +70,7 @@ class Rivals {
 
   /// Energy between the effects of each pair, in noise variances of an equation: the part of one, at its fitted size, that
   /// neither the known nor the other, at whatever sizes, can take over. That of a rival and a watched effect counts twice.
-  /// Twins must be apart by Pair::apart of the noise energy, whatever the number of strokes; where they are, theirs is
-  /// kExperiment.settled.
+  /// Twins must be apart by Pair::apart of the noise energy, whatever the number of strokes; theirs is kExperiment.settled then.
   std::vector<double> Separations(const RivalEvidence& evidence) const;
   /// The smallest of them; 0 where the recorded strokes cannot size two rivals.
   double Nearest(const RivalEvidence& evidence) const;

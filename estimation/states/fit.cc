@@ -177,6 +177,13 @@ Eigen::VectorXd RmsOf(const std::vector<RowMatrix>& residuals, int outputs) {
 
 namespace {
 
+/// Half the sum of the squares of what a fit leaves over `noise`, per output; infinite where there is no fit.
+double CostOf(const StateFit& fit, const Eigen::VectorXd& noise) {
+  if (!fit.solved()) return std::numeric_limits<double>::infinity();
+  return 0.5 * fit.readings() * fit.noise.cwiseQuotient(noise).squaredNorm() /
+         static_cast<double>(noise.size());
+}
+
 /// Starts one after the other over a growing horizon, until one leaves no more than white noise or ends where the best did.
 StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   task.noise = WhiteNoise(*task.model, task.episodes, shooting::OutputScale(*task.model, task.episodes));
@@ -226,24 +233,29 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   }
   std::ranges::sort(reached, {}, [](const Reached& r) { return r.point.cost; });
   // A start that one output leads astray stops short where the cost is flat: there two of the last fits must agree.
-  const std::size_t enough = SeesMuch(*task.model) || 2 * least <= options.at_noise * readings ? 1 : 2;
-  const auto error_of = [](const StateFit& fit) {
-    return fit.solved() ? fit.ErrorOfVariation() : std::numeric_limits<double>::infinity();
-  };
+  constexpr double kSameFit = 2e-3;
+  const std::ptrdiff_t enough = SeesMuch(*task.model) || 2 * least <= options.at_noise * readings ? 1 : 2;
   StateFit fit;
-  std::vector<double> errors;
-  for (const Reached& r : reached) {
-    StateFit next = Finish(task, r.point, false, false, options);
-    errors.push_back(error_of(next));
-    if (errors.size() == 1 || errors.back() < error_of(fit)) fit = std::move(next);
-    const double alike = (1 + options.same_minimum) * error_of(fit);
-    if (std::ranges::count_if(errors, [&](double error) { return error <= alike; }) >=
-        static_cast<std::ptrdiff_t>(enough))
+  least = std::numeric_limits<double>::infinity();
+  for (auto r = reached.begin(); r != reached.end(); ++r) {
+    StateFit last = Finish(task, r->point, false, false, options);
+    r->minimum.cost = CostOf(last, task.noise);
+    if (last.solved()) r->minimum.parameters = last.parameters;
+    if (r == reached.begin() || r->minimum.cost < least) fit = std::move(last);
+    least = std::min(least, r->minimum.cost);
+    if (std::count_if(reached.begin(), r + 1, [&](const Reached& other) {
+          return other.minimum.cost <= (1 + kSameFit) * least;
+        }) >= enough)
       break;
   }
-  for (const Reached& r : reached) {
-    fit.minima.push_back(r.minimum);
-    fit.minima.back().cost = std::sqrt(r.minimum.cost / std::max(reached.front().minimum.cost, 1e-300));
+  std::erase_if(reached, [](const Reached& r) { return !std::isfinite(r.minimum.cost); });
+  std::ranges::sort(reached, {}, [](const Reached& r) { return r.minimum.cost; });
+  for (const auto& [minimum, point, begun] : reached) {
+    const double cost = std::sqrt(minimum.cost / std::max(least, 1e-300));
+    if (!fit.minima.empty() && minimum.cost <= (1 + options.same_minimum) * least)
+      fit.minima.front().starts += minimum.starts;
+    else
+      fit.minima.push_back({minimum.parameters, cost, minimum.starts});
   }
   fit.starts_tried = tried;
   fit.starts_diverged = diverged;

@@ -21,12 +21,11 @@ struct StateFitOptions {
   double at_noise = 1.1;
   /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.
   double most_effort = 8;
-  bool until_white = false;  ///< no further start is tried once one leaves white noise ...
-  int until_agreed = 0;      ///< ... or so many end in the best minimum; 0: all are tried
-  Eigen::VectorXd
-      ended;         ///< parameters that an earlier start ended with, one that agrees; empty: none is known
-  int polished = 2;  ///< minima that are fitted to all rows
-  int iterations = 60;  ///< of the last fit
+  bool until_white = false;    ///< no further start is tried once one leaves white noise ...
+  int until_agreed = 0;        ///< ... or so many end in the best minimum; 0: all are tried
+  Eigen::VectorXd ended = {};  ///< parameters that an earlier start ended with; empty: none is known
+  int polished = 2;            ///< minima that are fitted to all rows
+  int iterations = 60;         ///< of the last fit
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit
@@ -34,8 +33,8 @@ struct StateFitOptions {
   int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
 };
 
-inline constexpr int kEnoughStarts =
-    3;  ///< that end with the same parameters: there is hardly a better minimum
+/// Starts that end with the same parameters, after which there is hardly a better minimum.
+inline constexpr int kEnoughStarts = 3;
 /// Of fits of which the best minimum alone is asked for.
 StateFitOptions BestAlone();
 

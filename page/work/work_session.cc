@@ -111,11 +111,7 @@ Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
     const std::string file = UploadFile();
     return jobs_.Add("example", id, [this, &example, file]() -> Status {
       TRY(example.write(file));
-      StartOver();
-      if (!example.geometry.empty()) {
-        const std::lock_guard lock(mutex_);
-        asked_ = {{"geometry", example.geometry}};
-      }
+      StartOver({{"geometry", example.geometry}});
       return TakeLog(example.id + ".csv", file);
     });
   }
@@ -173,7 +169,7 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
   });
 }
 
-void WorkSession::StartOver() {
+void WorkSession::StartOver(nlohmann::json asked) {
   const std::lock_guard lock(mutex_);
   logs_.clear();
   strokes_of_ = {};
@@ -182,7 +178,7 @@ void WorkSession::StartOver() {
   measured_.clear();
   draft_.clear();
   own_draft_.Forget();
-  asked_ = nullptr;
+  asked_ = std::move(asked);
   mapped_ = false;
   columns_.reset();
   ForgetResults();

@@ -61,7 +61,7 @@ class WorkSession {
   /// Judges models on this log without fitting them to it; "" = on none. Error: there is no such log, or no other one.
   Status HoldOut(const std::string& log);
   /// Forgets logs and machine file.
-  void StartOver();
+  void StartOver(nlohmann::json asked = nullptr);
 
   /// Whose strokes can be worked on; "": none. To be said before anybody asks.
   void set_database(std::string path) { database_ = std::move(path); }

@@ -130,8 +130,7 @@ void DoubtForEcho(const LogStrokes& log, Explanation& x) {
   x.doubt = log.echoes.front().Sentence();
 }
 
-/// Two signals late beside one another may as well be a third that comes early, as a command does that stands in the place of what
-/// follows it.
+/// Two signals late beside one another may as well be a third that comes early, as a command does in the place of its reading.
 void DoubtForCommand(const LogStrokes& log, Explanation& x) {
   const auto is_late = [&](const std::string& id) {
     return std::ranges::any_of(x.model->effects, [&](const auto& effect) {
@@ -146,8 +145,7 @@ void DoubtForCommand(const LogStrokes& log, Explanation& x) {
     x.partial = true;
     x.doubt = Tell(
         "{0} that comes early looks the same, as a command in the place of its reading does: see whether column {1} is measured",
-        "ein {0}, das zu früh kommt, sieht genauso aus, etwa ein Befehl an Stelle der Messung: nachsehen, ob Spalte {1} gemessen "
-        "ist",
+        "ein {0}, das zu früh kommt, sieht genauso aus, etwa ein Befehl an Stelle der Messung: ist Spalte {1} gemessen?",
         spec.name, spec.column);
     return;
   }
@@ -186,8 +184,8 @@ void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Ex
   if (wrong == parameters.end()) return;
   const DisplayUnit unit = ParameterUnit(kind, wrong->parameter, wrong->unit);
   const Told why = Tell(
-      "{} comes out as {} {}, which physics forbids, however well the model fits: check units, signs, zeros and geometry in the "
-      "machine file",
+      "{} comes out as {} {}, which physics forbids, however well the model fits: check units, signs, zeros and geometry "
+      "in the machine file",
       "{} kommt als {} {} heraus, was die Physik verbietet, so gut das Modell auch passt: Einheiten, Vorzeichen, Nullpunkte und "
       "Geometrie in der Maschinendatei prüfen",
       wrong->parameter, ShortNumber(wrong->value * unit.factor + unit.offset), unit.name);
