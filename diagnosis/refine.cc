@@ -36,22 +36,19 @@ std::pair<double, double> Bracket(const Effect& effect, std::size_t coordinate, 
   return {low, high};
 }
 
-/// Minimum of `error` over [low, high]: a scan, then Brent's method between the best point's neighbours.
-template <typename Error>
-double Minimise(Error error, double low, double high, double start) {
+/// Minimum over [low, high]: a scan, then Brent's method between the best point's neighbours. `errors` gives those of several points.
+template <typename Errors>
+double Minimise(Errors errors, double low, double high, double start) {
   const double step = (high - low) / (kScan + 1);
-  double best = start, best_error = error(start);
-  for (int k = 1; k <= kScan; ++k) {
-    const double x = low + k * step;
-    const double e = error(x);
-    if (e < best_error) {
-      best_error = e;
-      best = x;
-    }
-  }
+  std::vector<double> points = {start};
+  for (int k = 1; k <= kScan; ++k) points.push_back(low + k * step);
+  const std::vector<double> found = errors(points);
+  const auto least = std::ranges::min_element(found);
+  const double best = points[static_cast<std::size_t>(least - found.begin())], best_error = *least;
   std::uintmax_t evaluations = kEvaluations;
-  const auto minimum = boost::math::tools::brent_find_minima(error, std::max(low, best - step),
-                                                             std::min(high, best + step), kBits, evaluations);
+  const auto minimum = boost::math::tools::brent_find_minima(
+      [&](double x) { return errors(std::vector<double>{x}).front(); }, std::max(low, best - step),
+      std::min(high, best + step), kBits, evaluations);
   return minimum.second < best_error ? minimum.first : best;
 }
 
@@ -64,21 +61,40 @@ ModelStructure BaseOnly(const ModelStructure& model) {
   return base;
 }
 
-std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
-                                std::span<const StrokeStretches> strokes, const WindowSamples& window) {
-  SpanEquationBuilder builder(model, window);
-  StrokeAccumulator accumulator(model->column_count());
+namespace {
+
+/// `equations_of` gives those of a stretch.
+template <typename EquationsOf>
+std::vector<StrokeGram> SumOfStrokes(int columns, std::span<const StrokeStretches> strokes,
+                                     EquationsOf equations_of) {
+  StrokeAccumulator accumulator(columns);
   std::vector<StrokeGram> grams;
-  Stretch stretch;
   for (const StrokeStretches& stroke : strokes) {
-    for (const Stretch& kept : stroke) {
-      stretch = kept;
-      accumulator.Add(builder.Build(stretch, 0.0));
-    }
+    for (const Stretch& stretch : stroke) accumulator.Add(equations_of(stretch));
     grams.push_back(accumulator.Take());
     if (!stroke.empty()) grams.back().log = stroke.front().log;
   }
   return grams;
+}
+
+/// With the derived channels filled.
+std::vector<StrokeStretches> Derived(const ModelStructure& model, std::span<const StrokeStretches> strokes) {
+  std::vector<StrokeStretches> derived(strokes.begin(), strokes.end());
+  for (StrokeStretches& stroke : derived)
+    for (Stretch& stretch : stroke) model.derive_channels(stretch);
+  return derived;
+}
+
+}  // namespace
+
+std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
+                                std::span<const StrokeStretches> strokes, const WindowSamples& window) {
+  SpanEquationBuilder builder(model, window);
+  Stretch work;
+  return SumOfStrokes(model->column_count(), strokes, [&](const Stretch& stretch) -> const SpanEquations& {
+    work = stretch;
+    return builder.Build(work, 0.0);
+  });
 }
 
 namespace {
@@ -88,30 +104,30 @@ class ShapeTrial {
  public:
   ShapeTrial(const ModelStructure& model, std::span<const StrokeStretches> strokes,
              const WindowSamples& window, std::span<const EffectChoice> others, int effect)
-      : fixed_(BaseOnly(model)), strokes_(strokes), window_(window), effect_(effect) {
+      : fixed_(BaseOnly(model)), strokes_(Derived(model, strokes)), window_(window), effect_(effect) {
     std::vector<std::vector<double>> values;
     for (const EffectChoice& other : others) {
       const EffectShape& shape = model.effect_shapes[other.effect][other.shape];
-      choices_.push_back({other.effect, AddShape(fixed_, other.effect, shape.nonlinear, shape.on)});
+      others_.push_back({other.effect, AddShape(fixed_, other.effect, shape.nonlinear, shape.on)});
       values.push_back(shape.nonlinear);
     }
-    choices_.push_back({effect, -1});
-    on_ = CorrectionOf(fixed_, choices_, values, others.size());
+    std::vector<EffectChoice> all = others_;
+    all.push_back({effect, -1});
+    on_ = CorrectionOf(fixed_, all, values, others.size());
   }
 
   const std::optional<Correction>& on() const { return on_; }
 
-  ExtendedFit Fit(const std::vector<double>& nonlinear) const { return Set(nonlinear).first; }
-  /// Excess ratio on strokes left out, and what is known of the values beforehand weighed as further equations.
-  double Error(const std::vector<double>& nonlinear) const {
-    const auto [fit, equations] = Set(nonlinear);
-    if (!fit.solved) return std::numeric_limits<double>::max();
-    const std::vector<NonlinearParameter>& known = fixed_.effects[effect_]->nonlinear;
-    double surprise = 0;
-    for (std::size_t i = 0; i < nonlinear.size() && i < known.size(); ++i)
-      if (known[i].std > 0)
-        surprise += std::pow((nonlinear[i] - 0.5 * (known[i].min + known[i].max)) / known[i].std, 2);
-    return fit.excess_ratio + surprise / equations;
+  ExtendedFit Fit(const std::vector<double>& nonlinear) const {
+    const auto [set, choices] = With({nonlinear});
+    return set.Fit(choices);
+  }
+  /// Of each of `points`: ErrorOf.
+  std::vector<double> Errors(const std::vector<std::vector<double>>& points) const {
+    const auto [set, choices] = With(points);
+    std::vector<double> errors;
+    for (std::size_t k = 0; k < points.size(); ++k) errors.push_back(ErrorOf(set, choices, k, points[k]));
+    return errors;
   }
 
   /// Least squares over size and values at once, from values close by: with the shapes at shifted values
@@ -119,20 +135,39 @@ class ShapeTrial {
   std::vector<double> Polished(std::vector<double> values) const;
 
  private:
-  /// The fit with these values, and how many equations it has.
-  std::pair<ExtendedFit, double> Set(const std::vector<double>& nonlinear) const {
+  /// Strokes of the model with the effect at each of `points`, and choices: the other effects, then one for each point.
+  std::pair<StrokeSet, std::vector<EffectChoice>> With(const std::vector<std::vector<double>>& points) const {
     auto trial = std::make_shared<ModelStructure>(fixed_);
-    std::vector<EffectChoice> all = choices_;
-    all.back().shape = AddShape(*trial, effect_, nonlinear, on_);
-    const StrokeSet set(trial, GramsOf(trial, strokes_, window_), window_);
-    return {set.Fit(all), set.equations()};
+    std::vector<EffectChoice> choices = others_;
+    for (const std::vector<double>& point : points)
+      choices.push_back({effect_, AddShape(*trial, effect_, point, on_)});
+    SpanEquationBuilder builder(trial, window_);
+    const auto grams = SumOfStrokes(
+        trial->column_count(), strokes_,
+        [&](const Stretch& s) -> const SpanEquations& { return builder.BuildDerived(s, 0.0); });
+    return {StrokeSet(trial, grams, window_), choices};
+  }
+  /// Excess ratio on strokes left out with the effect at point `k` alone, and what is known of its values beforehand weighed as
+  /// further equations.
+  double ErrorOf(const StrokeSet& set, const std::vector<EffectChoice>& choices, std::size_t k,
+                 const std::vector<double>& point) const {
+    std::vector<EffectChoice> chosen = others_;
+    chosen.push_back(choices[others_.size() + k]);
+    const ExtendedFit fit = set.Fit(chosen);
+    if (!fit.solved) return std::numeric_limits<double>::max();
+    const std::vector<NonlinearParameter>& known = fixed_.effects[effect_]->nonlinear;
+    double surprise = 0;
+    for (std::size_t i = 0; i < point.size() && i < known.size(); ++i)
+      if (known[i].std > 0)
+        surprise += std::pow((point[i] - 0.5 * (known[i].min + known[i].max)) / known[i].std, 2);
+    return fit.excess_ratio + surprise / set.equations();
   }
 
   ModelStructure fixed_;
-  std::span<const StrokeStretches> strokes_;
+  std::vector<StrokeStretches> strokes_;
   WindowSamples window_;
   int effect_;
-  std::vector<EffectChoice> choices_;  ///< the last one is on trial
+  std::vector<EffectChoice> others_;
   std::optional<Correction> on_;
 };
 
@@ -140,34 +175,32 @@ std::vector<double> ShapeTrial::Polished(std::vector<double> values) const {
   const std::vector<NonlinearParameter>& limits = fixed_.effects[effect_]->nonlinear;
   if (std::any_of(limits.begin(), limits.end(), [](const NonlinearParameter& n) { return n.std > 0; }))
     return values;
-  double error = Error(values);
-  for (int step = 0; step < kPolishSteps; ++step) {
-    auto beside = std::make_shared<ModelStructure>(fixed_);
-    std::vector<EffectChoice> all = choices_;
-    all.back().shape = AddShape(*beside, effect_, values, on_);
+  std::vector<double> next = values;
+  double error = std::numeric_limits<double>::infinity(), moved = std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= kPolishSteps; ++step) {
+    std::vector<std::vector<double>> points = {next};
     std::vector<double> shift;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      std::vector<double> shifted = values;
-      const double by = kPolishShift * values[i];
-      shift.push_back(shifted[i] + by <= limits[i].max ? by : -by);
-      shifted[i] += shift[i];
-      all.push_back({effect_, AddShape(*beside, effect_, shifted, on_)});
+    for (std::size_t i = 0; step < kPolishSteps && i < next.size(); ++i) {
+      const double by = kPolishShift * next[i];
+      shift.push_back(next[i] + by <= limits[i].max ? by : -by);
+      points.push_back(next);
+      points.back()[i] += shift[i];
     }
-    const ExtendedFit fit = StrokeSet(beside, GramsOf(beside, strokes_, window_), window_).Fit(all);
+    const auto [set, choices] = With(points);
+    const double next_error = ErrorOf(set, choices, 0, next);
+    if (!(next_error < error)) return values;
+    values = next;
+    error = next_error;
+    if (moved < kPolished || step == kPolishSteps) return values;
+    const ExtendedFit fit = set.Fit(choices);
     if (!fit.solved) return values;
     const Eigen::VectorXd sizes = fit.theta.tail(static_cast<Eigen::Index>(values.size()) + 1);
-    std::vector<double> next = values;
-    double moved = 0;
+    moved = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
       next[i] = std::clamp(values[i] + shift[i] * sizes[static_cast<Eigen::Index>(i) + 1] / sizes.sum(),
                            limits[i].min, limits[i].max);
       moved = std::max(moved, std::abs(next[i] - values[i]) / std::max(std::abs(values[i]), 1e-300));
     }
-    const double next_error = Error(next);
-    if (!(next_error < error)) return values;
-    values = std::move(next);
-    error = next_error;
-    if (moved < kPolished) return values;
   }
   return values;
 }
@@ -269,10 +302,10 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
   if (effect.implied) best = {SolveImplied(trial, model, effect, best[0])};
   for (std::size_t i = 0; !effect.implied && i < effect.nonlinear.size(); ++i) {
     const auto [low, high] = Bracket(effect, i, best[i]);
-    const auto along = [&](double x) {
-      std::vector<double> at = best;
-      at[i] = x;
-      return trial.Error(at);
+    const auto along = [&](const std::vector<double>& places) {
+      std::vector<std::vector<double>> points(places.size(), best);
+      for (std::size_t k = 0; k < places.size(); ++k) points[k][i] = places[k];
+      return trial.Errors(points);
     };
     best[i] = Minimise(along, low, high, best[i]);
   }

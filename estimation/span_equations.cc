@@ -15,16 +15,19 @@ constexpr int kFewestRows = 4;  // of a block: fewer do not part sensor noise fr
 /// Blocks per sample of ModelStructure::disturb, whose noise changes with opening and pressure only.
 constexpr int kWalkStep = 5;
 
+/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
+typedef BlockWeights StoredWeights __attribute__((aligned(16)));
+
 /// Mean level and sign contrast (times `share`) of each block, `stride` apart; returns the level after the
 /// last block. Only the level waits for the block before.
 HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
                                  int blocks, double level, double share, double* mean, double* contrast,
                                  std::ptrdiff_t stride) {
-  const BlockWeights *const first = weights.data(), *const end = first + weights.size();
+  const StoredWeights *const first = weights.data(), *const end = first + weights.size();
   for (int b = 0; b < blocks; ++b) {
     BlockWeights sum{};
 #pragma GCC unroll 5
-    for (const BlockWeights* weight = first; weight != end; ++weight) sum += *increments++ * *weight;
+    for (const StoredWeights* weight = first; weight != end; ++weight) sum += *increments++ * *weight;
     mean[b * stride] = level + sum[0];
     contrast[b * stride] = share * sum[1];
     level += sum[2];
@@ -98,8 +101,28 @@ double WindowSamples::FlowNoiseVariance(double white, double walk) const {
   return white * FlowVarianceGain() + 2.0 / 3.0 * walk / (half_window * block_time * block_time);
 }
 
+/// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
+/// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the next block.
+std::vector<BlockWeights> WeightsOfIncrements(int block) {
+  const double contrast = ContrastScale(block);
+  std::vector<BlockWeights> weights(block);
+  int signs = 0;
+  for (int k = block - 1; k >= 0; --k) {
+    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
+    signs += ContrastSign(k, block);
+  }
+  return weights;
+}
+
+std::vector<BlockWeights> WeightsOfValues(int block) {
+  std::vector<BlockWeights> weights;
+  for (int k = 0; k < block; ++k)
+    weights.push_back(BlockWeights{1.0 / block, ContrastSign(k, block) * ContrastScale(block), 0.0, 0.0});
+  return weights;
+}
+
 SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
-    : model_(std::move(model)), window_(window), weights_(WeightsOf(window.block)) {
+    : model_(std::move(model)), window_(window), weights_(WeightsOfIncrements(window.block)) {
   const int columns = model_->column_count();
   increments_.resize(static_cast<std::size_t>(window_.span) * window_.block + 1);
   column_state_.assign(columns, 0.0);
@@ -113,8 +136,12 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
 }
 
 const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) {
-  const int blocks = (stretch.samples - (stretch.continues ? 1 : 0)) / window_.block;
   model_->derive_channels(stretch);
+  return BuildDerived(stretch, begin);
+}
+
+const SpanEquations& SpanEquationBuilder::BuildDerived(const Stretch& stretch, double begin) {
+  const int blocks = (stretch.samples - (stretch.continues ? 1 : 0)) / window_.block;
   if (!stretch.continues) history_ = 0;
   if (window_.level_form) {
     FillValues(stretch, blocks);
@@ -128,19 +155,6 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   out_.blocks = blocks;
   out_.begin = begin;
   return out_;
-}
-
-/// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
-/// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the next block.
-std::vector<BlockWeights> SpanEquationBuilder::WeightsOf(int block) {
-  const double contrast = ContrastScale(block);
-  std::vector<BlockWeights> weights(block);
-  int signs = 0;
-  for (int k = block - 1; k >= 0; --k) {
-    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
-    signs += ContrastSign(k, block);
-  }
-  return weights;
 }
 
 void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {

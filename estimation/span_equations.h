@@ -72,6 +72,10 @@ inline double ContrastScale(int rows) { return 1.0 / std::sqrt(static_cast<doubl
 
 /// Weights of one increment of a block: mean, alternating signs, rise; four lanes, the last one unused.
 typedef double BlockWeights __attribute__((vector_size(32)));
+/// Of the increments of a block of `block` samples, one each.
+std::vector<BlockWeights> WeightsOfIncrements(int block);
+/// Of values in their place, as the level form takes them; they rise by nothing.
+std::vector<BlockWeights> WeightsOfValues(int block);
 
 class SpanEquationBuilder {
  public:
@@ -81,12 +85,12 @@ class SpanEquationBuilder {
   /// its derived channels are filled here. `begin` is the time of its first block's first sample, s. The
   /// result stays valid until the next call.
   const SpanEquations& Build(Stretch& stretch, double begin);
+  /// The same of a stretch whose derived channels are filled.
+  const SpanEquations& BuildDerived(const Stretch& stretch, double begin);
 
   const WindowSamples& window() const { return window_; }
 
  private:
-  static std::vector<BlockWeights> WeightsOf(int block);
-
   void FillLevels(const Stretch& stretch, int blocks);
   void FillValues(const Stretch& stretch, int blocks);
   void FillContrasts(int blocks);

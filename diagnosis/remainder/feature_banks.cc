@@ -72,7 +72,9 @@ std::vector<double> SamplesOf(std::span<const StrokeStretches> strokes, int chan
 
 FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window)
-    : model_(model), strokes_(strokes), window_(window), column_state_(model.columns.size(), 0.0) {
+    : model_(model), strokes_(strokes), window_(window),
+      weights_(model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block)),
+      column_state_(model.columns.size(), 0.0) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const int channel : AxisChannels()) {
     const std::vector<double> values = SamplesOf(strokes, channel);
@@ -150,30 +152,24 @@ void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
   done_ += stretch.samples;
 }
 
-/// Block means of features: `advance(k, level)` takes the features from sample k to sample k + 1 (in the
-/// level form it sets them at sample k).
-template <typename Advance>
-void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Advance advance) const {
-  rows.means.setZero(blocks, features);
-  rows.noise.setZero(blocks, features);
-  const double contrast = ContrastScale(window_.block);
-  std::vector<double> level(features, 0.0), sum(features, 0.0), signs(features, 0.0);
-  for (int k = 0; !model_.level_form && k < lead_; ++k) advance(k, level.data());
+/// Block means of features: `visit(k, add)` calls add(f, x) for what feature f gains from sample k to sample k + 1 (in the level form:
+/// is at sample k).
+template <typename Visit>
+void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const {
+  rows.means.resize(blocks, features);
+  rows.noise.resize(blocks, features);
+  std::vector<BlockWeights> sums(features, BlockWeights{});
+  const auto add_as = [&](const BlockWeights& weights) {
+    return [&sums, weights](int f, double x) { sums[f] += x * weights; };
+  };
+  for (int k = 0; !model_.level_form && k < lead_; ++k) visit(k, add_as(BlockWeights{0, 0, 1, 0}));
   for (int b = 0; b < blocks; ++b) {
-    std::fill(sum.begin(), sum.end(), 0.0);
-    std::fill(signs.begin(), signs.end(), 0.0);
-    for (int row = 0; row < window_.block; ++row) {
-      const int k = lead_ + b * window_.block + row;
-      const double sign = ContrastSign(row, window_.block);
-      if (model_.level_form) advance(k, level.data());
-      for (int f = 0; f < features; ++f) {
-        sum[f] += level[f];
-        signs[f] += sign * level[f];
-      }
-      if (!model_.level_form) advance(k, level.data());
+    for (BlockWeights& sum : sums) sum = BlockWeights{sum[2], 0, sum[2], 0};
+    for (int row = 0; row < window_.block; ++row) visit(lead_ + b * window_.block + row, add_as(weights_[row]));
+    for (int f = 0; f < features; ++f) {
+      rows.means(b, f) = sums[f][0];
+      rows.noise(b, f) = sums[f][1];
     }
-    for (int f = 0; f < features; ++f) rows.means(b, f) = sum[f] / window_.block;
-    for (int f = 0; f < features; ++f) rows.noise(b, f) = contrast * signs[f];
   }
   if (model_.level_form) return;
   rows.means.rowwise() -= rows.means.colwise().mean().eval();
@@ -182,25 +178,22 @@ void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Advan
 
 void FeatureBanks::FillModel(int blocks) {
   const int columns = model_.column_count();
-  SumBlocks(columns, blocks, out_.model, [&](int k, double* level) {
-    for (int c = 0; c < columns; ++c)
-      level[c] = model_.level_form ? increments_[c][k] : level[c] + increments_[c][k];
+  SumBlocks(columns, blocks, out_.model, [&](int k, const auto& add) {
+    for (int c = 0; c < columns; ++c) add(c, increments_[c][k]);
   });
 }
 
 void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
   const int knots = bank.count / static_cast<int>(bank.columns.size());
   const std::vector<double>& place = place_[bank.axes[0]];
-  const bool values = model_.level_form;
-  SumBlocks(bank.count, blocks, rows, [&](int k, double* level) {
-    if (values) std::fill_n(level, bank.count, 0.0);
+  SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
     const std::size_t next = std::min<std::size_t>(k + 1, place.size() - 1);
-    const Hat hat = HatAt(values ? place[k] : 0.5 * (place[k] + place[next]), knots);
+    const Hat hat = HatAt(model_.level_form ? place[k] : 0.5 * (place[k] + place[next]), knots);
     for (std::size_t i = 0; i < bank.columns.size(); ++i) {
-      double* const own = level + i * knots + hat.left;
+      const int left = static_cast<int>(i) * knots + hat.left;
       const double increment = increments_[bank.columns[i]][k];
-      own[0] += (1 - hat.right) * increment;
-      own[1] += hat.right * increment;
+      add(left, (1 - hat.right) * increment);
+      add(left + 1, hat.right * increment);
     }
   });
 }
@@ -221,24 +214,23 @@ void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns&
 }
 
 void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
-  const bool values = model_.level_form, pair = bank.axes.size() == 2;
-  const double period = values ? 1.0 : window_.period;
+  const bool pair = bank.axes.size() == 2;
+  const double period = model_.level_form ? 1.0 : window_.period;
   const std::vector<double>& first = place_[bank.axes[0]];
   const std::vector<double>& second = place_[bank.axes.back()];
-  SumBlocks(bank.count, blocks, rows, [&](int k, double* level) {
-    if (values) std::fill_n(level, bank.count, 0.0);
+  SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
     const Hat a = HatAt(first[k], pair ? kPairKnots : kRateKnots);
     if (!pair) {
-      level[a.left] += (1 - a.right) * period;
-      level[a.left + 1] += a.right * period;
+      add(a.left, (1 - a.right) * period);
+      add(a.left + 1, a.right * period);
       return;
     }
     const Hat b = HatAt(second[k], kPairKnots);
-    double* const corner = level + a.left * kPairKnots + b.left;
-    corner[0] += (1 - a.right) * (1 - b.right) * period;
-    corner[1] += (1 - a.right) * b.right * period;
-    corner[kPairKnots] += a.right * (1 - b.right) * period;
-    corner[kPairKnots + 1] += a.right * b.right * period;
+    const int corner = a.left * kPairKnots + b.left;
+    add(corner, (1 - a.right) * (1 - b.right) * period);
+    add(corner + 1, (1 - a.right) * b.right * period);
+    add(corner + kPairKnots, a.right * (1 - b.right) * period);
+    add(corner + kPairKnots + 1, a.right * b.right * period);
   });
 }
 

@@ -63,12 +63,13 @@ class FeatureBanks {
   void FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
   void FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const;
   void FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
-  template <typename Advance>
-  void SumBlocks(int features, int blocks, BlockColumns& rows, Advance advance) const;
+  template <typename Visit>
+  void SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const;
 
   const ModelStructure& model_;
   std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
+  std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<Axis> axes_;
   int paired_ = 0;  ///< the first so many axes are taken two at a time too
   std::vector<FeatureBank> banks_;

@@ -7,7 +7,7 @@
 
 #include "core/quantile.h"
 #include "diagnosis/remainder/feature_banks.h"
-#include "estimation/decompositions.h"
+#include "diagnosis/remainder/held_out_form.h"
 
 namespace hydroscope {
 namespace {
@@ -100,18 +100,13 @@ void AddRows(const BlockColumns& features, const BlockColumns& z, double lost, G
   sum.rows += static_cast<double>(features.means.rows()) - lost;
 }
 
-/// Quadratic form in the signs of the groups: error energy on groups left out.
-using SignForm = Eigen::MatrixXd;
-
 /// Normal equations of features and regressors with the features scaled to unit energy over all groups.
 struct BankProblem {
-  std::vector<Eigen::MatrixXd> h;  ///< per group
-  Eigen::MatrixXd q;               ///< unknowns x groups
-  Eigen::VectorXd energy;          ///< of the residual, per group
+  GroupEquations equations;
   int features = 0;
 
   BankProblem(const BankGrams& groups, bool with_features);
-  SignForm HeldOut(double penalty) const;
+  Eigen::MatrixXd HeldOut(double penalty) const;
 };
 
 BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
@@ -130,6 +125,7 @@ BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
   Eigen::VectorXd scale(n);
   for (int f = 0; f < features; ++f) scale[f] = 1 / std::sqrt(energies[kept[f]]);
   for (int c = 0; c < m; ++c) scale[features + c] = own[c] > 0 ? 1 / std::sqrt(own[c]) : 0.0;
+  auto& [h, q, energy] = equations;
   q.resize(n, static_cast<Eigen::Index>(groups.size()));
   energy.resize(static_cast<Eigen::Index>(groups.size()));
   for (std::size_t s = 0; s < groups.size(); ++s) {
@@ -148,26 +144,11 @@ BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
   }
 }
 
-/// With the residual of group u times the sign e_u, the fit without group s is sum_u e_u c_u, so the error on
-/// group s is a quadratic form in the signs.
-SignForm BankProblem::HeldOut(double penalty) const {
+Eigen::MatrixXd BankProblem::HeldOut(double penalty) const {
   constexpr double kRidge = 1e-10;  // holds regressors that the other groups do not move
-  const auto n = q.rows(), groups = q.cols();
-  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::MatrixXd& g : h) total += g;
-  total.diagonal().head(features).array() += penalty;
-  total.diagonal().array() += kRidge;
-  SignForm form = SignForm::Zero(groups, groups);
-  for (Eigen::Index s = 0; s < groups; ++s) {
-    Eigen::MatrixXd c = PositiveFactor(total - h[s]).SolveColumns(q);
-    c.col(s).setZero();
-    form.noalias() += c.transpose() * (h[s] * c);
-    const Eigen::VectorXd cross = c.transpose() * q.col(s);
-    form.row(s) -= cross.transpose();
-    form.col(s) -= cross;
-    form(s, s) += energy[s];
-  }
-  return form;
+  Eigen::VectorXd ridge = Eigen::VectorXd::Constant(equations.q.rows(), kRidge);
+  ridge.head(features).array() += penalty;
+  return HeldOutForm(equations, ridge);
 }
 
 /// Scores of the features, of the residual as it is, scatter between groups like those of white noise times
@@ -193,41 +174,31 @@ double ScoreScatter(const std::vector<BankGrams>& banks) {
   return std::max(1.0, Median(ratios, 1.0));
 }
 
-class SignFlips {
- public:
-  SignFlips(int flips, std::size_t groups) {
-    std::mt19937_64 random(kFlipSeed);
-    signs_.push_back(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(groups)));
-    for (int k = 0; k < flips; ++k) {
-      Eigen::VectorXd sign(static_cast<Eigen::Index>(groups));
-      for (auto& s : sign) s = (random() >> 63) != 0 ? 1.0 : -1.0;
-      signs_.push_back(sign);
-    }
-  }
-  /// Energies of a form, the first one with all signs as they are.
-  Eigen::VectorXd Energies(const SignForm& form) const {
-    Eigen::VectorXd out(static_cast<Eigen::Index>(signs_.size()));
-    for (std::size_t k = 0; k < signs_.size(); ++k)
-      out[static_cast<Eigen::Index>(k)] = signs_[k].dot(form * signs_[k]);
-    return out;
-  }
+/// Signs of the groups, one choice a column; in the first one all are as they are.
+Eigen::MatrixXd SignFlips(int flips, std::size_t groups) {
+  std::mt19937_64 random(kFlipSeed);
+  Eigen::MatrixXd signs = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(groups), flips + 1);
+  for (double& sign : signs.rightCols(flips).reshaped()) sign = (random() >> 63) != 0 ? 1.0 : -1.0;
+  return signs;
+}
 
- private:
-  std::vector<Eigen::VectorXd> signs_;
-};
+/// Of each choice of signs.
+Eigen::VectorXd Energies(const Eigen::MatrixXd& form, const Eigen::MatrixXd& signs) {
+  return signs.cwiseProduct(form * signs).colwise().sum();
+}
 
 Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<FeatureBank>& named,
                      const PredictabilityOptions& options) {
   Predictability out;
   const std::size_t groups = banks.front().size();
-  const SignFlips flips(options.flips, groups);
-  const Eigen::VectorXd plain = flips.Energies(BankProblem(banks.front(), false).HeldOut(0.0));
+  const Eigen::MatrixXd signs = SignFlips(options.flips, groups);
+  const Eigen::VectorXd plain = Energies(BankProblem(banks.front(), false).HeldOut(0.0), signs);
   Eigen::VectorXd best = Eigen::VectorXd::Zero(plain.size());
   for (std::size_t b = 0; b < banks.size(); ++b) {
     const BankProblem problem(banks[b], true);
     if (problem.features == 0) continue;
     for (const double penalty : kPenalties) {
-      const Eigen::VectorXd share = 1.0 - flips.Energies(problem.HeldOut(penalty)).array() / plain.array();
+      const Eigen::VectorXd share = 1.0 - Energies(problem.HeldOut(penalty), signs).array() / plain.array();
       if (share[0] > best[0]) out.about = named[b].about;
       best = best.cwiseMax(share);
     }

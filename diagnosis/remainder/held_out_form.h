@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace hydroscope {
+
+/// Normal equations of groups of rows.
+struct GroupEquations {
+  std::vector<Eigen::MatrixXd> h;  ///< unknowns x unknowns, per group
+  Eigen::MatrixXd q;               ///< unknowns x groups
+  Eigen::VectorXd energy;          ///< of the right-hand side, per group
+};
+
+/// Error energy on groups left out in turn, with the right-hand side of group u times the sign e_u: e' form e. `ridge` is added
+/// to the diagonal of the sum of all groups and makes what is left without any one group positive definite; where it does not, the
+/// form holds NaN. The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
+Eigen::MatrixXd HeldOutForm(const GroupEquations& groups, const Eigen::VectorXd& ridge);
+
+}  // namespace hydroscope
