@@ -22,7 +22,7 @@ constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be ju
 constexpr double kConsistent = 0.25;      ///< relative difference of two values of a law's one parameter
 
 /// W' G W with the columns of W sparse; the last column is the output.
-Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {
+Eigen::MatrixXd Congruence(const SymmetricMatrix& gram, const SparseColumns& columns) {
   const int size = static_cast<int>(columns.size());
   Eigen::MatrixXd out(size, size);
   for (int j = 0; j < size; ++j)
@@ -141,11 +141,9 @@ struct StrokeSet::Reduced {
   std::size_t stroke = 0;
 };
 
-void StrokeSet::Stroke::TakeOut(Eigen::Index column) {
-  for (Eigen::MatrixXd* matrix : {&clean, &noise, &flow}) {
-    matrix->row(column).setZero();
-    matrix->col(column).setZero();
-  }
+void StrokeSet::Stroke::TakeOut(int column) {
+  for (SymmetricMatrix* matrix : {&clean, &noise, &flow})
+    for (int other = 0; other < matrix->dimension(); ++other) (*matrix)(column, other) = 0;
 }
 
 StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
@@ -153,9 +151,9 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
     : model_(std::move(model)), window_(window), noise_scale_(noise_scale) {
   const int columns = model_->column_count();
   for (const StrokeGram& gram : strokes) {
-    Stroke stroke{Unpacked(gram.integral),
-                  Unpacked(gram.noise),
-                  Unpacked(gram.flow),
+    Stroke stroke{gram.integral,
+                  gram.noise,
+                  gram.flow,
                   gram.blocks,
                   gram.spans,
                   gram.log,
@@ -172,11 +170,15 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
   }
 }
 
-Eigen::MatrixXd StrokeSet::Total() const {
-  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
-  for (const auto& stroke : strokes_) total += stroke->clean;
-  return total;
+const SymmetricMatrix& StrokeSet::CleanTotal() const {
+  std::call_once(total_->summed, [&] {
+    total_->clean = SymmetricMatrix(model_->column_count());
+    for (const auto& stroke : strokes_) total_->clean += stroke->clean;
+  });
+  return total_->clean;
 }
+
+Eigen::MatrixXd StrokeSet::Total() const { return Unpacked(CleanTotal()); }
 
 double StrokeSet::OutputEnergy() const {
   const int output = model_->output_column();
@@ -186,9 +188,9 @@ double StrokeSet::OutputEnergy() const {
 }
 
 Eigen::MatrixXd StrokeSet::TotalFlow() const {
-  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
+  SymmetricMatrix total(model_->column_count());
   for (const auto& stroke : strokes_) total += stroke->flow;
-  return total;
+  return Unpacked(total);
 }
 
 Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const {
@@ -219,6 +221,7 @@ std::optional<StrokeSet> StrokeSet::Comparable() const {
 StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
                                    std::span<const EffectChoice> everywhere) const {
   StrokeSet out = *this;
+  out.total_ = std::make_shared<LazyTotal>();
   std::vector<bool> kept(static_cast<std::size_t>(model_->column_count()), false);
   std::fill_n(kept.begin(), model_->output_column() + 1, true);
   for (const EffectChoice& choice : everywhere)
@@ -229,7 +232,7 @@ StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
     for (std::size_t c = 0; c < kept.size(); ++c) {
       if (kept[c]) continue;
       without.bad[c] = false;
-      without.TakeOut(static_cast<Eigen::Index>(c));
+      without.TakeOut(static_cast<int>(c));
     }
     out.strokes_[s] = std::make_shared<const Stroke>(std::move(without));
   }
@@ -315,6 +318,8 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   if (usable.empty()) return fit;
   SparseColumns columns = Composite({}, Eigen::VectorXd::Zero(model_->base_count));
   const auto solve = [&] {
+    if (usable.size() == strokes_.size())
+      return SolveNormalEquations(AsEquations(Congruence(CleanTotal(), columns), equations_));
     NormalEquations total;
     for (const std::size_t s : usable)
       total += AsEquations(Congruence(strokes_[s]->clean, columns), Equations(s));

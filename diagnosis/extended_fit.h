@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -122,14 +124,14 @@ class StrokeSet {
 
  private:
   struct Stroke {
-    Eigen::MatrixXd clean, noise, flow;  ///< full symmetric
+    SymmetricMatrix clean, noise, flow;
     std::int64_t blocks = 0, spans = 0;
     int log = 0;
     double windows = 0;
     std::vector<bool> bad;  ///< per column: a signal it needs was bad
 
     double equations() const { return static_cast<double>(blocks - spans); }
-    void TakeOut(Eigen::Index column);
+    void TakeOut(int column);
   };
   struct Reduced;  ///< normal equations of one stroke over base + composite columns
   std::vector<std::vector<std::pair<int, double>>> Composite(std::span<const EffectChoice> choices,
@@ -141,7 +143,15 @@ class StrokeSet {
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
+  /// Summed when it is first asked for.
+  struct LazyTotal {
+    std::once_flag summed;
+    SymmetricMatrix clean;
+  };
+  const SymmetricMatrix& CleanTotal() const;  ///< of all strokes
+
   std::vector<std::shared_ptr<const Stroke>> strokes_;  ///< shared by the sets that hold them
+  std::shared_ptr<LazyTotal> total_ = std::make_shared<LazyTotal>();
   double noise_scale_ = 1.0;
   double equations_ = 0;
 };

@@ -14,7 +14,6 @@ SymmetricEigen EigenOf(const Eigen::MatrixXd& symmetric) {
 
 SymmetricFactor::SymmetricFactor(const Eigen::MatrixXd& symmetric) : factor_(symmetric) {}
 double SymmetricFactor::LeastPivot() const { return factor_.vectorD().minCoeff(); }
-double SymmetricFactor::ReciprocalCondition() const { return factor_.rcond(); }
 Eigen::VectorXd SymmetricFactor::Solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
 Eigen::MatrixXd SymmetricFactor::SolveColumns(const Eigen::MatrixXd& right) const {
   return factor_.solve(right);

@@ -21,7 +21,6 @@ class SymmetricFactor {
 
   bool sound() const { return factor_.info() == Eigen::Success; }
   double LeastPivot() const;           ///< of D
-  double ReciprocalCondition() const;  ///< an estimate (Higham 1988), in the 1-norm
   Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd SolveColumns(const Eigen::MatrixXd& right) const;
 

@@ -140,16 +140,31 @@ NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> colum
   return e;
 }
 
-Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
-  const Eigen::VectorXd diagonal = equations.h.diagonal();
-  if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
-  const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
-  const SymmetricFactor factor(scale.asDiagonal() * equations.h * scale.asDiagonal());
-  // A pivot is the share of a regressor the others do not explain; its condition passes over pivots of exactly zero.
+namespace {
+
+/// `Matrix` holds as many columns as there are.
+template <typename Matrix>
+Eigen::VectorXd SolveIn(const NormalEquations& equations) {
+  const Eigen::VectorXd scale = equations.h.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Matrix> factor(Matrix(scale.asDiagonal() * equations.h * scale.asDiagonal()));
+  // A pivot is the share of a regressor the others do not explain; the condition passes over pivots of exactly zero. No entry of L
+  // is above one, nor of the scaled matrix: the condition is no worse than the least pivot over n 4^n.
   constexpr double kRounding = 1e-13;
-  const bool dependent = !(factor.LeastPivot() > kRounding) || factor.ReciprocalCondition() < kRounding;
-  if (!factor.sound() || dependent) return {};
-  return scale.asDiagonal() * factor.Solve(scale.asDiagonal() * equations.g);
+  const double least = factor.vectorD().minCoeff();
+  if (factor.info() != Eigen::Success || !(least > kRounding)) return {};
+  const auto n = static_cast<double>(scale.size());
+  const bool certain = least > kRounding * n * std::pow(4.0, n);
+  if (!certain && factor.rcond() < kRounding) return {};
+  return scale.asDiagonal() * factor.solve(scale.asDiagonal() * equations.g);
+}
+
+}  // namespace
+
+Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
+  if (!(equations.h.diagonal().minCoeff() > 0) || !equations.h.allFinite()) return {};
+  constexpr int kFew = 12;  // as nearly all models have: on the stack
+  using FewColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
+  return equations.h.cols() <= kFew ? SolveIn<FewColumns>(equations) : SolveIn<Eigen::MatrixXd>(equations);
 }
 
 double MeanSquaredError(const NormalEquations& e, const Eigen::VectorXd& theta) {

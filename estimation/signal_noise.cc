@@ -17,44 +17,51 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 /// Steps between neighbouring readings.
 struct ReadingSteps {
   double smallest = 0, median = 0;
-  double repeated = 0;  ///< share of readings that equal the one before
-  double off_grid = 0;  ///< share of steps that are no multiple of the smallest
-  double unique = 0;    ///< share of new readings that no other equals
+  double repeated = 0;           ///< share of readings that equal the one before
+  std::vector<double> steps;     ///< other than zero
+  std::vector<double> readings;  ///< behind them
 
   static ReadingSteps Of(std::span<const SignalRuns> strokes) {
-    std::vector<double> steps, readings;
+    ReadingSteps out;
     std::size_t pairs = 0;
     for (const SignalRuns& stroke : strokes)
       for (const std::vector<double>& run : stroke)
         for (std::size_t k = 1; k < run.size(); ++k, ++pairs) {
           if (run[k] == run[k - 1]) continue;
-          steps.push_back(std::abs(run[k] - run[k - 1]));
-          readings.push_back(run[k]);
+          out.steps.push_back(std::abs(run[k] - run[k - 1]));
+          out.readings.push_back(run[k]);
         }
-    ReadingSteps out;
     if (pairs == 0) return out;
-    out.repeated = 1.0 - static_cast<double>(steps.size()) / static_cast<double>(pairs);
-    if (steps.empty()) return out;
-    const auto middle = steps.begin() + steps.size() / 2;
-    std::nth_element(steps.begin(), middle, steps.end());
+    out.repeated = 1.0 - static_cast<double>(out.steps.size()) / static_cast<double>(pairs);
+    if (out.steps.empty()) return out;
+    const auto middle = out.steps.begin() + out.steps.size() / 2;
+    std::nth_element(out.steps.begin(), middle, out.steps.end());
     out.median = *middle;
     // Rounding of decimal numbers makes tiny differences of differences; a step is one that is reached.
-    out.smallest = *std::ranges::min_element(steps);
-    const auto off = std::ranges::count_if(steps, [&](double step) {
-      const double multiple = step / out.smallest;
-      return std::abs(multiple - std::round(multiple)) > kOffGrid;
-    });
-    out.off_grid = static_cast<double>(off) / static_cast<double>(steps.size());
-    std::ranges::sort(readings);
-    std::size_t alone = 0;
-    for (std::size_t k = 0; k < readings.size(); ++k)
-      alone += (k == 0 || readings[k] != readings[k - 1]) &&
-               (k + 1 == readings.size() || readings[k] != readings[k + 1]);
-    out.unique = static_cast<double>(alone) / static_cast<double>(readings.size());
+    out.smallest = *std::ranges::min_element(out.steps);
     return out;
   }
 
-  static constexpr double kOffGrid = 0.1;  ///< of the smallest step
+  /// Share of steps that are no multiple of the smallest.
+  double OffGrid() const {
+    constexpr double kOffGrid = 0.1;  // of the smallest step
+    const auto off = std::ranges::count_if(steps, [&](double step) {
+      const double multiple = step / smallest;
+      return std::abs(multiple - std::round(multiple)) > kOffGrid;
+    });
+    return steps.empty() ? 0.0 : static_cast<double>(off) / static_cast<double>(steps.size());
+  }
+
+  /// Share of the readings that no other equals.
+  double Unique() const {
+    std::vector<double> sorted = readings;
+    std::ranges::sort(sorted);
+    std::size_t alone = 0;
+    for (std::size_t k = 0; k < sorted.size(); ++k)
+      alone += (k == 0 || sorted[k] != sorted[k - 1]) &&
+               (k + 1 == sorted.size() || sorted[k] != sorted[k + 1]);
+    return sorted.empty() ? 0.0 : static_cast<double>(alone) / static_cast<double>(sorted.size());
+  }
 };
 
 /// Readings between their neighbours: on the straight line, or a corner.
@@ -144,7 +151,7 @@ double RangeOf(std::span<const SignalRuns> strokes) {
 void DescribeSteps(const ReadingSteps& steps, double period, const SignalNoiseOptions& options,
                    SignalNoise& noise) {
   const int percent = static_cast<int>(std::lround(100 * noise.repeated));
-  if (steps.off_grid <= options.off_grid_share || steps.unique <= options.unique_share) {
+  if (steps.OffGrid() <= options.off_grid_share || steps.Unique() <= options.unique_share) {
     noise.kind = NoiseKind::kQuantised;
     noise.sentence = Tell(
         "{} is read in steps of {}, which hide its noise: {} % of the readings repeat the one before",
