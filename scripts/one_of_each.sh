@@ -11,9 +11,7 @@ cp -r core models machines host setup cli replay acquisition storage alarms "$co
 cd "$copy"
 git init -q . && git add -A && git -c user.name=copy -c user.email=copy commit -qm copy
 
-compiles() {
-  "$compiler" -std=c++20 -fsyntax-only -DHYDROSCOPE_VERSION='"0"' -I. -isystem /usr/include/eigen3 "$@"
-}
+touched=()  # to be compiled, all together: most of the time goes to the headers that they share
 
 # judge WHAT DOCUMENTED_LINES FILES_TO_COMPILE...: new files are free, lines in files that were there are counted.
 judge() {
@@ -23,7 +21,7 @@ judge() {
   created=$(git diff --cached --name-only --diff-filter=A | wc -l)
   changed=$(git diff --cached --name-only --diff-filter=M | wc -l)
   lines=$(git diff --cached --numstat --diff-filter=M | awk '{n += $1} END {print n + 0}')
-  for file in "$@"; do compiles "$file"; done
+  touched+=("$@")
   printf '%-18s %d new file(s), %d line(s) in %d file(s) that were there\n' "$what" "$created" "$lines" "$changed"
   if ((lines != documented)); then
     echo "$what: $lines lines in files that were there, $documented are documented" >&2
@@ -104,3 +102,6 @@ std::vector<std::unique_ptr<Source>> MakeOpcuaSources(const Machine& machine, co
 SOURCE
 sed -i 's/^  _(Modbus)/  _(Opcua) \\\n  _(Modbus)/' acquisition/list.h
 judge "source" 1 acquisition/opcua/settings.cc acquisition/opcua/opcua_source.cc acquisition/source_kinds.cc acquisition/live_sources.cc
+
+printf '#include "%s"\n' "${touched[@]}" > touched.cc
+"$compiler" -std=c++20 -fsyntax-only -DHYDROSCOPE_VERSION='"0"' -I. -isystem /usr/include/eigen3 touched.cc

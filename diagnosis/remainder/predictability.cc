@@ -8,6 +8,7 @@
 #include "core/quantile.h"
 #include "diagnosis/remainder/feature_banks.h"
 #include "diagnosis/remainder/held_out_form.h"
+#include "estimation/column_products.h"
 
 namespace hydroscope {
 namespace {
@@ -85,16 +86,19 @@ using BankGrams = std::vector<GroupGram>;
 /// `lost`: rows that centring takes. White sensor noise that features and regressors share with the residual is no law: it is
 /// taken out of their products with it, the last column of `z`.
 void AddRows(const BlockColumns& features, const BlockColumns& z, double lost, GroupGram& sum) {
-  const auto residual = z.means.cols() - 1;
+  const auto f = features.means.cols(), m = z.means.cols(), residual = m - 1;
   if (sum.zz.size() == 0) {
-    sum.ff.setZero(features.means.cols(), features.means.cols());
-    sum.fz.setZero(features.means.cols(), z.means.cols());
-    sum.zz.setZero(z.means.cols(), z.means.cols());
+    sum.ff.setZero(f, f);
+    sum.fz.setZero(f, m);
+    sum.zz.setZero(m, m);
   }
-  sum.ff.noalias() += features.means.transpose() * features.means;
-  sum.fz.noalias() += features.means.transpose() * z.means;
+  RowMatrix both(z.means.rows(), f + m);
+  both << features.means, z.means;
+  const Eigen::MatrixXd products = ColumnProducts(both);
+  sum.ff += products.topLeftCorner(f, f);
+  sum.fz += products.topRightCorner(f, m);
+  sum.zz += products.bottomRightCorner(m, m);
   sum.fz.col(residual).noalias() -= features.noise.transpose() * z.noise.col(residual);
-  sum.zz.noalias() += z.means.transpose() * z.means;
   sum.zz.col(residual).head(residual).noalias() -=
       z.noise.leftCols(residual).transpose() * z.noise.col(residual);
   sum.rows += static_cast<double>(features.means.rows()) - lost;
