@@ -142,9 +142,9 @@ class ShapeTrial {
     for (const std::vector<double>& point : points)
       choices.push_back({effect_, AddShape(*trial, effect_, point, on_)});
     SpanEquationBuilder builder(trial, window_);
-    const auto grams = SumOfStrokes(
-        trial->column_count(), strokes_,
-        [&](const Stretch& s) -> const SpanEquations& { return builder.BuildDerived(s, 0.0); });
+    const auto grams =
+        SumOfStrokes(trial->column_count(), strokes_,
+                     [&](const Stretch& s) -> const SpanEquations& { return builder.BuildDerived(s, 0.0); });
     return {StrokeSet(trial, grams, window_), choices};
   }
   /// Excess ratio on strokes left out with the effect at point `k` alone, and what is known of its values beforehand weighed as

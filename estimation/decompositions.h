@@ -20,7 +20,7 @@ class SymmetricFactor {
   explicit SymmetricFactor(const Eigen::MatrixXd& symmetric);
 
   bool sound() const { return factor_.info() == Eigen::Success; }
-  double LeastPivot() const;           ///< of D
+  double LeastPivot() const;  ///< of D
   Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd SolveColumns(const Eigen::MatrixXd& right) const;
 

@@ -58,8 +58,8 @@ struct ReadingSteps {
     std::ranges::sort(sorted);
     std::size_t alone = 0;
     for (std::size_t k = 0; k < sorted.size(); ++k)
-      alone += (k == 0 || sorted[k] != sorted[k - 1]) &&
-               (k + 1 == sorted.size() || sorted[k] != sorted[k + 1]);
+      alone +=
+          (k == 0 || sorted[k] != sorted[k - 1]) && (k + 1 == sorted.size() || sorted[k] != sorted[k + 1]);
     return sorted.empty() ? 0.0 : static_cast<double>(alone) / static_cast<double>(sorted.size());
   }
 };

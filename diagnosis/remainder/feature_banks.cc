@@ -72,7 +72,9 @@ std::vector<double> SamplesOf(std::span<const StrokeStretches> strokes, int chan
 
 FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window)
-    : model_(model), strokes_(strokes), window_(window),
+    : model_(model),
+      strokes_(strokes),
+      window_(window),
       weights_(model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block)),
       column_state_(model.columns.size(), 0.0) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -165,7 +167,8 @@ void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit
   for (int k = 0; !model_.level_form && k < lead_; ++k) visit(k, add_as(BlockWeights{0, 0, 1, 0}));
   for (int b = 0; b < blocks; ++b) {
     for (BlockWeights& sum : sums) sum = BlockWeights{sum[2], 0, sum[2], 0};
-    for (int row = 0; row < window_.block; ++row) visit(lead_ + b * window_.block + row, add_as(weights_[row]));
+    for (int row = 0; row < window_.block; ++row)
+      visit(lead_ + b * window_.block + row, add_as(weights_[row]));
     for (int f = 0; f < features; ++f) {
       rows.means(b, f) = sums[f][0];
       rows.noise(b, f) = sums[f][1];

@@ -105,7 +105,8 @@ class LeftOut {
   Eigen::Index first_;
   int lanes_;
   std::vector<GroupLanes> h_, factor_;  ///< n x n
-  std::vector<GroupLanes> solutions_;   ///< c_u without each group, kColumnsAtOnce by kColumnsAtOnce; c_s without s is 0
+  std::vector<GroupLanes>
+      solutions_;  ///< c_u without each group, kColumnsAtOnce by kColumnsAtOnce; c_s without s is 0
 };
 
 void LeftOut::Solve() {
@@ -144,8 +145,7 @@ void LeftOut::AddTo(Eigen::MatrixXd& form) const {
   for (int lane = 0; lane < lanes_; ++lane) {
     const Eigen::Index s = first_ + lane;
     for (Eigen::Index u = 0; u < form.cols(); ++u) {
-      const GroupLanes* const x =
-          solutions_.data() + u / kColumnsAtOnce * block_size() + u % kColumnsAtOnce;
+      const GroupLanes* const x = solutions_.data() + u / kColumnsAtOnce * block_size() + u % kColumnsAtOnce;
       double cross = 0;
       for (int i = 0; i < n_; ++i) cross += x[i * kColumnsAtOnce][lane] * groups_.q(i, s);
       form(s, u) -= cross;
