@@ -386,8 +386,9 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
 }  // namespace
 
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
-                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                           std::span<const StrokeStretches> samples, const WindowSamples& window,
                            const ExplainOptions& asked) {
+  const std::vector<StrokeStretches> strokes = WithDerivedChannels(*model, samples);
   ExplainOptions options = asked;
   AddUntestable(*model, strokes, options.untestable);
   model = WithFewerGeneralLaws(std::move(model), strokes, window, options);

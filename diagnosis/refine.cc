@@ -61,40 +61,37 @@ ModelStructure BaseOnly(const ModelStructure& model) {
   return base;
 }
 
-namespace {
-
-/// `equations_of` gives those of a stretch.
-template <typename EquationsOf>
-std::vector<StrokeGram> SumOfStrokes(int columns, std::span<const StrokeStretches> strokes,
-                                     EquationsOf equations_of) {
-  StrokeAccumulator accumulator(columns);
-  std::vector<StrokeGram> grams;
-  for (const StrokeStretches& stroke : strokes) {
-    for (const Stretch& stretch : stroke) accumulator.Add(equations_of(stretch));
-    grams.push_back(accumulator.Take());
-    if (!stroke.empty()) grams.back().log = stroke.front().log;
-  }
-  return grams;
-}
-
-/// With the derived channels filled.
-std::vector<StrokeStretches> Derived(const ModelStructure& model, std::span<const StrokeStretches> strokes) {
+std::vector<StrokeStretches> WithDerivedChannels(const ModelStructure& model,
+                                                 std::span<const StrokeStretches> strokes) {
   std::vector<StrokeStretches> derived(strokes.begin(), strokes.end());
   for (StrokeStretches& stroke : derived)
-    for (Stretch& stretch : stroke) model.derive_channels(stretch);
+    for (Stretch& stretch : stroke) {
+      model.derive_channels(stretch);
+      stretch.derived = true;
+    }
   return derived;
 }
 
-}  // namespace
+const Stretch& Derived(const ModelStructure& model, const Stretch& kept, Stretch& work) {
+  if (kept.derived) return kept;
+  work = kept;
+  model.derive_channels(work);
+  return work;
+}
 
 std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
                                 std::span<const StrokeStretches> strokes, const WindowSamples& window) {
   SpanEquationBuilder builder(model, window);
+  StrokeAccumulator accumulator(model->column_count());
+  std::vector<StrokeGram> grams;
   Stretch work;
-  return SumOfStrokes(model->column_count(), strokes, [&](const Stretch& stretch) -> const SpanEquations& {
-    work = stretch;
-    return builder.Build(work, 0.0);
-  });
+  for (const StrokeStretches& stroke : strokes) {
+    for (const Stretch& stretch : stroke)
+      accumulator.Add(builder.BuildDerived(Derived(*model, stretch, work), 0.0));
+    grams.push_back(accumulator.Take());
+    if (!stroke.empty()) grams.back().log = stroke.front().log;
+  }
+  return grams;
 }
 
 namespace {
@@ -104,7 +101,7 @@ class ShapeTrial {
  public:
   ShapeTrial(const ModelStructure& model, std::span<const StrokeStretches> strokes,
              const WindowSamples& window, std::span<const EffectChoice> others, int effect)
-      : fixed_(BaseOnly(model)), strokes_(Derived(model, strokes)), window_(window), effect_(effect) {
+      : fixed_(BaseOnly(model)), strokes_(strokes), window_(window), effect_(effect) {
     std::vector<std::vector<double>> values;
     for (const EffectChoice& other : others) {
       const EffectShape& shape = model.effect_shapes[other.effect][other.shape];
@@ -141,11 +138,7 @@ class ShapeTrial {
     std::vector<EffectChoice> choices = others_;
     for (const std::vector<double>& point : points)
       choices.push_back({effect_, AddShape(*trial, effect_, point, on_)});
-    SpanEquationBuilder builder(trial, window_);
-    const auto grams =
-        SumOfStrokes(trial->column_count(), strokes_,
-                     [&](const Stretch& s) -> const SpanEquations& { return builder.BuildDerived(s, 0.0); });
-    return {StrokeSet(trial, grams, window_), choices};
+    return {StrokeSet(trial, GramsOf(trial, strokes_, window_), window_), choices};
   }
   /// Excess ratio on strokes left out with the effect at point `k` alone, and what is known of its values beforehand weighed as
   /// further equations.
@@ -164,7 +157,7 @@ class ShapeTrial {
   }
 
   ModelStructure fixed_;
-  std::vector<StrokeStretches> strokes_;
+  std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
   int effect_;
   std::vector<EffectChoice> others_;

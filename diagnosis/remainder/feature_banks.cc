@@ -239,12 +239,11 @@ void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& 
 
 const FeatureRows& FeatureBanks::Rows(std::size_t stroke, std::size_t part) {
   if (part == 0) done_ = 0;
-  work_ = strokes_[stroke][part];
-  model_.derive_channels(work_);
-  lead_ = work_.continues ? 1 : 0;
-  const int blocks = (work_.samples - lead_) / window_.block;
-  FillIncrements(work_);
-  FillPlaces(work_, stroke);
+  const Stretch& stretch = Derived(model_, strokes_[stroke][part], work_);
+  lead_ = stretch.continues ? 1 : 0;
+  const int blocks = (stretch.samples - lead_) / window_.block;
+  FillIncrements(stretch);
+  FillPlaces(stretch, stroke);
   FillModel(blocks);
   const double strokes = static_cast<double>(strokes_.size());
   const double time = strokes > 1 ? 2.0 * static_cast<double>(stroke) / (strokes - 1) - 1.0 : 0.0;

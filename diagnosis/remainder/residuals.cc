@@ -94,10 +94,10 @@ StrokeResiduals ResidualBuilder::Build(const StrokeStretches& stroke) {
   std::vector<int> blocks;
   Stretch work;
   for (const Stretch& kept : stroke) {
-    work = kept;
-    const SpanEquations& span = builder_.Build(work, 0.0);
-    if (!work.continues) block_mean_.clear();
-    AddSignals(work, span.blocks);
+    const Stretch& stretch = Derived(*model_, kept, work);
+    const SpanEquations& span = builder_.BuildDerived(stretch, 0.0);
+    if (!stretch.continues) block_mean_.clear();
+    AddSignals(stretch, span.blocks);
     AddFlows(span);
     const SpanNoise here = NoiseOf(span, residual_weights_);
     noise.emplace_back(out_.measured.size(), here);
@@ -106,7 +106,7 @@ StrokeResiduals ResidualBuilder::Build(const StrokeStretches& stroke) {
     equations += span.blocks;
     contrasts.emplace_back(span.integral.leftCols(span.equations).transpose() * residual_weights_);
     blocks.push_back(span.blocks);
-    done_ += work.samples;
+    done_ += stretch.samples;
   }
   if (equations > 0) {
     const SpanNoise mean{white / equations, walk / equations};

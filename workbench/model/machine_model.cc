@@ -116,8 +116,9 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
             id, structure->words.vary));
       choices.push_back(best);
     }
+    const std::vector<StrokeStretches> derived = WithDerivedChannels(*structure, log.stretches);
     for (int pass = 0; pass < kPasses; ++pass)
-      choices = RefineModel(*structure, log.stretches, log.window, choices);
+      choices = RefineModel(*structure, derived, log.window, choices);
   }
   MachineModel out{structure, choices, {}, {}, {}};
   const StrokeSet strokes(structure,
