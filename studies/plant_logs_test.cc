@@ -159,6 +159,17 @@ TEST(PlantLogs, ALawOfTimeOrTemperatureHoldsInAllStrokes) {
               AllOf(HasSubstr("odd: pressure_offset"), Not(HasSubstr("pressure_offset_temperature"))));
 }
 
+/// The flow gain follows the oil in a fifth of the strokes: each of these has one of its own, which no law of the spool is.
+TEST(PlantLogs, AParameterOfItsOwnInEachOddStrokeIsNoLawOfThem) {
+  EXPECT_THAT(AnswerToLog("intermittent_effects", 64207, 45), Not(HasSubstr("spool_nonlinearity")));
+}
+
+/// An internal leak that does not grow, and a spool reading whose scale follows the oil.
+TEST(PlantLogs, ALeakBesideALawOfTheOilNeedNotGrowWithIt) {
+  EXPECT_THAT(AnswerToLog("displacement_gain_temperature", 880011, 93),
+              HasSubstr("leakage_temperature|internal_leakage"));
+}
+
 TEST(PlantLogs, AnUnknownKindNamesTheNearest) {
   PlantLogsOptions options;
   options.kinds = {"coloured_nois"};
