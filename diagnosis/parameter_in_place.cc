@@ -66,7 +66,8 @@ ParameterInPlace ParameterInPlaceOf(const Explanation& found, bool explains, con
   for (std::size_t s = 0; s < static_cast<std::size_t>(odd.strokes()); ++s)
     gram_of_each.push_back(odd.Only(std::array{s}).Total());
 
-  const double whole = error.dot(gram * error), by_effects = LeftOf(gram, error, DirectionsOf(found, odd, rest));
+  const double whole = error.dot(gram * error),
+               by_effects = LeftOf(gram, error, DirectionsOf(found, odd, rest));
   const double floor = explain.floor_excess * rest.noise_variance * odd.equations();
   const double alike = by_effects + std::max(options.beyond_parameter * rest.noise_variance,
                                              options.beyond_share * (whole - by_effects));

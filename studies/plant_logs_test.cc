@@ -161,7 +161,11 @@ TEST(PlantLogs, ALawOfTimeOrTemperatureHoldsInAllStrokes) {
 
 /// The flow gain follows the oil in a fifth of the strokes: each of these has one of its own, which no law of the spool is.
 TEST(PlantLogs, AParameterOfItsOwnInEachOddStrokeIsNoLawOfThem) {
-  EXPECT_THAT(AnswerToLog("intermittent_effects", 64207, 45), Not(HasSubstr("spool_nonlinearity")));
+  EXPECT_THAT(AnswerToLog("intermittent_effects", 64207, 45), HasSubstr("adequate odd:"));
+}
+
+TEST(PlantLogs, AStretchToTheEndOfALogIsNamedThoughInDoubt) {
+  EXPECT_THAT(AnswerToLog("leaky_stretch", 880011, 46), HasSubstr("odd: internal_leakage"));
 }
 
 /// An internal leak that does not grow, and a spool reading whose scale follows the oil.
