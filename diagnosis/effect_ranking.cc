@@ -405,8 +405,8 @@ std::vector<std::string> EffectRanking::SteadyBesideAnother(const CandidateModel
     return e.least_span && e.least_span->channel == structure.temperature_channel;
   };
   const Effect& own = *structure.effects[model.choices[at].effect];
-  std::vector<std::string> alive;
-  if (!goes_with_the_oil(own)) return alive;
+  std::vector<std::string> steady_ids;
+  if (!goes_with_the_oil(own)) return steady_ids;
   CandidateModel others{model.choices, {}};
   others.choices.erase(others.choices.begin() + static_cast<std::ptrdiff_t>(at));
   others.fit = strokes_.Fit(others.choices);
@@ -420,9 +420,9 @@ std::vector<std::string> EffectRanking::SteadyBesideAnother(const CandidateModel
           return r.fit.solved && r.lawful && goes_with_the_oil(law) && FreeNumbers(law) == 0 &&
                  IsStrong(r.fit.effects.back()) && IsRival(r.fit, model.fit, 0);
         }))
-      alive.push_back(steady.id);
+      steady_ids.push_back(steady.id);
   }
-  return alive;
+  return steady_ids;
 }
 
 bool EffectRanking::IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const {
