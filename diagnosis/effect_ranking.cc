@@ -398,6 +398,33 @@ bool EffectRanking::StaysWithinItsLimits(const CandidateModel& on, const RankedE
   });
 }
 
+std::vector<std::string> EffectRanking::SteadyBesideAnother(const CandidateModel& model,
+                                                            std::size_t at) const {
+  const ModelStructure& structure = strokes_.model();
+  const auto goes_with_the_oil = [&](const Effect& e) {
+    return e.least_span && e.least_span->channel == structure.temperature_channel;
+  };
+  const Effect& own = *structure.effects[model.choices[at].effect];
+  std::vector<std::string> steady_ids;
+  if (!goes_with_the_oil(own)) return steady_ids;
+  CandidateModel others{model.choices, {}};
+  others.choices.erase(others.choices.begin() + static_cast<std::ptrdiff_t>(at));
+  others.fit = strokes_.Fit(others.choices);
+  for (int e = 0; others.fit.solved && e < static_cast<int>(structure.effects.size()); ++e) {
+    if (!IsFreerThan(own, *structure.effects[e]) || Uses(model, e)) continue;
+    const RankedEffect steady = Try(others, e);
+    if (!steady.fit.solved || !steady.lawful) continue;
+    const std::vector<RankedEffect> beside = Rank(With(others, steady.fit.effects.back().choice));
+    if (std::ranges::any_of(beside, [&](const RankedEffect& r) {
+          const Effect& law = *structure.effects[r.effect];
+          return r.fit.solved && r.lawful && goes_with_the_oil(law) && FreeNumbers(law) == 0 &&
+                 IsStrong(r.fit.effects.back()) && IsRival(r.fit, model.fit, 0);
+        }))
+      steady_ids.push_back(steady.id);
+  }
+  return steady_ids;
+}
+
 bool EffectRanking::IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const {
   return candidate.fit.solved && candidate.lawful && candidate.testable &&
          FindTwin(strokes_.model(), candidate.id, best.id) != nullptr &&

@@ -78,6 +78,9 @@ class EffectRanking {
   /// `complete`: the first leaves nothing to a further law, which would tell that its own is not quite right.
   std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
                                   bool complete) const;
+  /// Of a law that grows with the oil's temperature, effect `at` of `model`: the same law without that (a leak, of one that does), if
+  /// with another law of the temperature beside it explains about as well: that it grows is not proven.
+  std::vector<std::string> SteadyBesideAnother(const CandidateModel& model, std::size_t at) const;
   /// ExplainOptions::measured says that the effect is there / of another size than this.
   bool IsConfirmed(int effect) const;
   bool IsRefuted(const EffectEstimate& estimate) const;

@@ -238,6 +238,8 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
                          options_.sure_share * std::abs(model.fit.effects[at].size);
       if (!apart && std::abs(theirs.size) > theirs.std) out.groups[k].push_back(other.id);
     }
+    for (const std::string& id : ranking_.SteadyBesideAnother(model, at))
+      if (!Contains(out.groups[k], id)) out.groups[k].push_back(id);
   }
 }
 

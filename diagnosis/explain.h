@@ -174,7 +174,7 @@ struct ExplainStep {
 struct OddStrokes {
   std::vector<std::size_t> strokes;  ///< indices of the strokes explained
   std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
-  /// Of the base model: with another value in them it explains them as well; then `set` is [].
+  /// Of the base model: with another value in them, or one of its own in each, it explains them as well; then `set` is [].
   std::string parameter = {};
   Told doubt = {};  ///< why `set` is not proven, if so
 };

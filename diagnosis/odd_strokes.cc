@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/contains.h"
+#include "diagnosis/parameter_in_place.h"
 #include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 
@@ -63,13 +64,6 @@ std::vector<Eigen::MatrixXd> GramOfEach(const StrokeSet& strokes) {
   return grams;
 }
 
-/// What `fit` leaves of the output, as a combination of the model's columns.
-Eigen::VectorXd ErrorOf(const ModelStructure& model, const ExtendedFit& fit) {
-  Eigen::VectorXd error = -ColumnWeights(model, fit);
-  error[model.output_column()] += 1;
-  return error;
-}
-
 /// The `count` strokes in whose equations `error` has the least energy, in order.
 Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd> grams,
                       const Eigen::VectorXd& error, std::size_t count) {
@@ -104,7 +98,7 @@ Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> sta
         least = fit.excess_ratio;
         if (least <= enough) return best;
       }
-      Strokes next = BestDescribed(strokes, grams, ErrorOf(strokes.model(), fit), count);
+      Strokes next = BestDescribed(strokes, grams, ErrorWeights(strokes.model(), fit), count);
       if (next == used) break;
       used = std::move(next);
     }
@@ -246,64 +240,6 @@ Explanation ExplainAgainst(StrokeSet& strokes, std::span<const std::size_t> used
       under);
 }
 
-/// The model's error in strokes of which `gram` is the sum: what an error of `directions` (columns) of any sizes leaves of its
-/// energy.
-double LeftOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& error, const Eigen::MatrixXd& directions) {
-  const double energy = error.dot(gram * error);
-  if (directions.cols() == 0) return energy;
-  const Eigen::VectorXd together = directions.transpose() * (gram * error);
-  const NormalEquations equations{directions.transpose() * gram * directions, together, 0, 0};
-  const Eigen::VectorXd sizes = SolveNormalEquations(equations);
-  return sizes.size() == 0 ? energy : energy - sizes.dot(together);
-}
-
-/// The parameter of the base model of which another value in the odd strokes explains them about as well as the effects of
-/// `found` do, or, if these explain nothing, down to the floor; "" if none does. The rest of the strokes has the model `rest`.
-std::string ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
-                               const ExtendedFit& rest, const ExplainOptions& explain,
-                               const OddStrokeOptions& options) {
-  const ModelStructure& model = odd.model();
-  const int base = model.base_count;
-  const Eigen::VectorXd theta = rest.theta.head(base);
-  const auto direction_of = [&](const EffectEstimate& effect) {
-    Eigen::VectorXd at(base + 1);
-    at << theta, effect.size;
-    return odd.Direction(effect.choice, at);
-  };
-  const Eigen::VectorXd error = ErrorOf(model, rest);
-  const Eigen::MatrixXd gram = odd.Total();
-
-  Eigen::MatrixXd effects(model.column_count(), 0);
-  for (const EffectEstimate& effect : found.final.effects)
-    if (std::ranges::none_of(rest.effects, [&](const auto& e) { return e.choice == effect.choice; })) {
-      effects.conservativeResize(Eigen::NoChange, effects.cols() + 1);
-      effects.rightCols(1) = direction_of(effect);
-    }
-  const double whole = error.dot(gram * error), by_effects = LeftOf(gram, error, effects);
-  const double floor = explain.floor_excess * rest.noise_variance * odd.equations();
-  const double alike = by_effects + std::max(options.beyond_parameter * rest.noise_variance,
-                                             options.beyond_share * (whole - by_effects));
-  const double enough = explains ? std::min(floor, alike) : floor;
-
-  const std::vector<DerivedParameter> derived = model.derive(theta);
-  Eigen::MatrixXd gradients(static_cast<Eigen::Index>(derived.size()), base);
-  for (std::size_t p = 0; p < derived.size(); ++p)
-    gradients.row(static_cast<Eigen::Index>(p)) = derived[p].gradient.transpose();
-  // Parameters of different units: each row by itself.
-  const Eigen::VectorXd scale = gradients.rowwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd moves =
-      (scale.asDiagonal() * gradients).completeOrthogonalDecomposition().pseudoInverse();
-  std::string best;
-  double least = enough;
-  for (std::size_t p = 0; p < derived.size(); ++p) {
-    Eigen::VectorXd move = Eigen::VectorXd::Zero(model.column_count());
-    move.head(base) = moves.col(static_cast<Eigen::Index>(p));
-    const double left = LeftOf(gram, error, move);
-    if (left < least) best = derived[p].name, least = left;
-  }
-  return best;
-}
-
 /// What explains most of the odd strokes against the rest. One that a change began or ended in shows it in
 /// part only, so the first and the last of them may be left out. `in_doubt`: a cause that is not proven counts too.
 struct OddExplained {
@@ -314,7 +250,7 @@ std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std
                                         const Explanation& rest, bool in_doubt, const ExplainOptions& explain,
                                         const StrokesUnder& under, const OddStrokeOptions& options) {
   constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
-  std::optional<OddExplained> doubtful;
+  std::optional<OddExplained> doubtful, otherwise;
   for (const auto& [first, last] : kEnds) {
     if (odd.size() < options.least_named + first + last) break;
     const std::vector<std::size_t> left(odd.begin() + static_cast<std::ptrdiff_t>(first),
@@ -328,23 +264,32 @@ std::optional<OddExplained> ExplainMost(StrokeSet strokes, const std::vector<std
           static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), s) - used.begin()));
     Explanation found = ExplainAgainst(strokes, used, places, rest, explain, under);
     const bool explains = !found.partial && !found.set.empty();
-    std::string parameter =
+    ParameterInPlace in_place =
         ParameterInPlaceOf(found, explains, strokes.Only(left), rest.final, explain, options);
-    if (!parameter.empty()) return OddExplained{{left, {}, std::move(parameter)}, rest};
+    if (!in_place.by_one.empty()) return OddExplained{{left, {}, std::move(in_place.by_one)}, rest};
+    if (!in_place.by_each.empty()) {
+      OddExplained by_each{{left, {}, std::move(in_place.by_each)}, rest};
+      if (explains) return by_each;
+      if (!otherwise && rest.verdict == Verdict::kAdequate) otherwise = std::move(by_each);
+    }
     if (explains) return OddExplained{{left, found.set}, std::move(found)};
     if (in_doubt && !doubtful && !found.set.empty() && AreDescribed(found.final, explain))
       doubtful = OddExplained{{left, found.set, {}, found.doubt}, std::move(found)};
   }
-  return doubtful;
+  return doubtful ? doubtful : otherwise;
+}
+
+/// One after another.
+bool AreTogether(const std::vector<std::size_t>& odd, const OddStrokeOptions& options) {
+  const auto stretch = static_cast<double>(odd.back() - odd.front() + 1);
+  return static_cast<double>(odd.size()) >= options.together * stretch;
 }
 
 /// Few, or one after another.
 bool MayDifferWithoutCause(const std::vector<std::size_t>& odd, int strokes,
                            const OddStrokeOptions& options) {
   const auto count = static_cast<double>(odd.size());
-  const auto stretch = static_cast<double>(odd.back() - odd.front() + 1);
-  return count <= std::max(1.0, std::round(options.most_scattered * strokes)) ||
-         count >= options.together * stretch;
+  return count <= std::max(1.0, std::round(options.most_scattered * strokes)) || AreTogether(odd, options);
 }
 
 /// Time and temperature run from the first stroke to the last: a law of theirs that leaves strokes at an end of the log
@@ -373,7 +318,10 @@ std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
   Explanation out = ExplainPart(
       strokes, [&](const StrokeSet& all) { return all.Only(rest); }, explain, under);
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
-  if (auto most = ExplainMost(strokes, odd, out, in_doubt, explain, under, options)) {
+  // As many as a rest must have, one after another, are the side of a change where nothing else is missed.
+  const bool change =
+      out.verdict == Verdict::kAdequate && odd.size() >= options.least && AreTogether(odd, options);
+  if (auto most = ExplainMost(strokes, odd, out, in_doubt || change, explain, under, options)) {
     if (out.verdict == Verdict::kAdequate) out = std::move(most->explanation);
     std::erase_if(odd, [&](std::size_t s) {
       return std::binary_search(most->strokes.strokes.begin(), most->strokes.strokes.end(), s);

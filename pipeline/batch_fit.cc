@@ -5,6 +5,7 @@
 
 #include "core/told_error.h"
 #include "models/machine_kind.h"
+#include "pipeline/broken_strokes.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
@@ -143,6 +144,9 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   for (const ReadingFaults::Echo& echo : out.echoes = pass.echoes)
     out.notes.push_back(log + ": " + echo.Sentence().english);
+  if (const Told broken = BrokenUp(pass.channels, machine, std::ssize(out.strokes), out.discarded_strokes);
+      !broken.empty())
+    out.swapped.push_back(Tell("{}: {}", "{}: {}", log, broken));
   for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
 }

@@ -27,7 +27,7 @@ struct LogStrokes {
   std::shared_ptr<const ModelStructure> model;
   std::vector<std::string> notes;  ///< what should be known of the logs, one sentence each
   std::vector<ReadingFaults::Echo> echoes;
-  std::vector<Told> swapped;  ///< LogPass::swapped, with the log: there is no verdict on these strokes
+  std::vector<Told> swapped;  ///< LogPass::swapped, BrokenUp, with the log: no verdict on these strokes
   std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 
   std::vector<StrokeGram> Grams() const;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "pipeline/batch_fit.h"
+#include "pipeline/broken_strokes.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {
@@ -134,6 +136,40 @@ TEST(LogPass, PressuresInOneAnothersPlaceAreTold) {
   EXPECT_THAT(told_of(&SimulatedLog::p_A, &SimulatedLog::p_B),
               testing::ElementsAre(testing::Field(
                   &Told::english, testing::MatchesRegex("p_A .* while oil is pressed out .* swapped .*"))));
+}
+
+TEST(LogPass, OneReadingForTwoPressuresIsTold) {
+  const LogPass pass = PassOf([](SimulatedLog& log) { log.p_0 = log.p_B; });
+  EXPECT_THAT(pass.swapped,
+              testing::ElementsAre(testing::Field(
+                  &Told::english, testing::MatchesRegex("p_B .* and p_0 .* have the same reading .*"))));
+  const LogPass at_rest = PassOf([](SimulatedLog& log) {
+    log.p_0.assign(log.rows(), 0.0);
+    log.p_B = log.p_0;
+  });
+  EXPECT_THAT(at_rest.swapped,
+              testing::Each(testing::Field(&Told::english, testing::Not(testing::HasSubstr("same")))));
+}
+
+/// Of p_A the logger drew every second quarter of a second from the third stroke on: no stroke is whole there.
+TEST(LogPass, StrokesThatBadReadingsBreakUpLeaveTheRestNoWordForAll) {
+  PressOptions options;
+  options.seconds = 40;
+  const Machine machine = MachineFor(options);
+  const auto sentence = [&](std::size_t of_period) {
+    SimulatedLog log = SimulatePress(options);
+    for (std::size_t k = log.rows() / 4; k + 126 < log.rows(); k += 250)
+      for (std::size_t i = 1; i <= of_period; ++i)
+        log.p_A[k + i] = log.p_A[k] + (log.p_A[k + 126] - log.p_A[k]) * static_cast<double>(i) / 126;
+    RowsReader reader(RowsOf(log, machine), options.sample_period);
+    StrokeCollector collector(machine, KeepSamples::kNo);
+    auto pipeline = Pipeline::Create(machine, options.sample_period, collector.Sink());
+    const LogPass pass = *PassLog(reader, machine, pipeline->get(), "reading");
+    const LogStrokes strokes = collector.Finish(**pipeline);
+    return BrokenUp(pass.channels, machine, std::ssize(strokes.strokes), strokes.discarded_strokes).english;
+  };
+  EXPECT_EQ(sentence(0), "");
+  EXPECT_THAT(sentence(125), testing::HasSubstr("those of p_A) break up strokes"));
 }
 
 TEST(LogPass, ASpoolThatRepeatsItsCommandIsNotMeasured) {

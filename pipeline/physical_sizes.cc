@@ -45,6 +45,16 @@ std::vector<const char*> UsualUnits(std::string_view si) {
   return {"1", "%"};
 }
 
+/// Whether the heading of the column ends with the unit that the machine file states: "T_oil [°C]", "T_oil_degC", "T_oil_C".
+bool HeadingSays(const std::string& column, const Unit& unit) {
+  const std::size_t end = column.find_last_not_of(" ])");
+  const std::size_t before = column.find_last_of(" _-.[(", end);
+  if (end == std::string::npos || before == std::string::npos) return false;
+  const std::string word = column.substr(before + 1, end - before);
+  const auto said = FindUnit(word == "C" || word == "Celsius" ? "degC" : word);
+  return said && said->si == unit.si && said->scale == unit.scale && said->offset == unit.offset;
+}
+
 Told Shown(double si, const Unit& unit, std::string_view name) {
   const double value = (si - unit.offset) / unit.scale;
   return name == "1" ? Tell("{:.4g}", "{:.4g}", value) : Tell("{:.4g} {}", "{:.4g} {}", value, name);
@@ -110,6 +120,11 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
   if (!plausible || std::isnan(seen.low)) return {};
   const double measure = seen.Measure(*plausible);
   if (measure >= plausible->low && measure <= plausible->high) return {};
+  // Hot oil in a column that says its unit is hot oil.
+  if (plausible->of == PlausibleSize::kMean && HeadingSays(spec.column, *unit)) {
+    const auto any = SizeByUnit(unit->si);
+    if (!any || (measure >= any->low && measure <= any->high)) return {};
+  }
   // A machine at rest shows little of anything.
   if (measure < plausible->low && plausible->of != PlausibleSize::kMean && !seen.moves) return {};
   std::string better;

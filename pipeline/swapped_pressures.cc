@@ -44,6 +44,10 @@ void SwappedPressures::Observe(const SampleBlock& block) {
 }
 
 void SwappedPressures::Count(double lower, double higher, double drive, Pair& pair) {
+  pair.moves = pair.moves || (pair.read > 0 && higher != pair.last);
+  pair.last = higher;
+  ++pair.read;
+  pair.alike += lower == higher;
   if (pair.rule->law == Law::kPressedOut) {
     if (std::abs(drive) < pair.rule->open) return;
     const std::size_t enters = drive < 0;
@@ -62,8 +66,21 @@ Told SwappedPressures::Sentence(const Pair& pair) const {
     const SignalSpec& spec = machine_.signals[signal];
     return Tell("{} (column {})", "{} (Spalte {})", spec.name, spec.column);
   };
-  return pair.rule->law == Law::kPressedOut ? PressedOut(pair, named(pair.lower), named(pair.higher))
-                                            : Above(pair, named(pair.lower), named(pair.higher));
+  const Told lower = named(pair.lower), higher = named(pair.higher);
+  if (Told same = TheSame(pair, lower, higher); !same.empty()) return same;
+  return pair.rule->law == Law::kPressedOut ? PressedOut(pair, lower, higher) : Above(pair, lower, higher);
+}
+
+Told SwappedPressures::TheSame(const Pair& pair, const Told& lower, const Told& higher) const {
+  const double share =
+      static_cast<double>(pair.alike) / static_cast<double>(std::max<std::int64_t>(1, pair.read));
+  if (pair.read < kRowsToJudge || !pair.moves || share < PressureRule::kNearlyAlways) return {};
+  return Tell(
+      "{0} and {1} have the same reading in {2:.0f} % of the rows: one of the two has the column of the other in the machine file, "
+      "or one sensor was recorded twice",
+      "{0} und {1} haben in {2:.0f} % der Zeilen denselben Wert: einer der beiden Drücke hat in der Maschinendatei die Spalte des "
+      "anderen, oder ein Sensor wurde zweimal aufgezeichnet",
+      lower, higher, 100 * share);
 }
 
 Told SwappedPressures::Above(const Pair& pair, const Told& lower, const Told& higher) const {

@@ -10,6 +10,7 @@
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "monitor/promoted_model.h"
+#include "pipeline/broken_strokes.h"
 #include "pipeline/episode_pipeline.h"
 #include "pipeline/log_fingerprint.h"
 #include "pipeline/log_pass.h"
@@ -237,6 +238,9 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
     replay.summary.warnings.push_back(
         fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,
                     CountedWordsOf(machine_).Counted(strokes), SilentEpisode(machine_)));
+  if (const Told broken = BrokenUp(pass.channels, machine_, strokes, replay.summary.discarded_strokes);
+      !broken.empty())
+    replay.summary.warnings.push_back(broken.english);
   if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence.english;
   replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
   TRY(database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState()));

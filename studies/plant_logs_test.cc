@@ -159,6 +159,21 @@ TEST(PlantLogs, ALawOfTimeOrTemperatureHoldsInAllStrokes) {
               AllOf(HasSubstr("odd: pressure_offset"), Not(HasSubstr("pressure_offset_temperature"))));
 }
 
+/// The flow gain follows the oil in a fifth of the strokes: each of these has one of its own, which no law of the spool is.
+TEST(PlantLogs, AParameterOfItsOwnInEachOddStrokeIsNoLawOfThem) {
+  EXPECT_THAT(AnswerToLog("intermittent_effects", 64207, 45), HasSubstr("adequate odd:"));
+}
+
+TEST(PlantLogs, AStretchToTheEndOfALogIsNamedThoughInDoubt) {
+  EXPECT_THAT(AnswerToLog("leaky_stretch", 880011, 46), HasSubstr("odd: internal_leakage"));
+}
+
+/// An internal leak that does not grow, and a spool reading whose scale follows the oil.
+TEST(PlantLogs, ALeakBesideALawOfTheOilNeedNotGrowWithIt) {
+  EXPECT_THAT(AnswerToLog("displacement_gain_temperature", 880011, 93),
+              HasSubstr("leakage_temperature|internal_leakage"));
+}
+
 TEST(PlantLogs, AnUnknownKindNamesTheNearest) {
   PlantLogsOptions options;
   options.kinds = {"coloured_nois"};

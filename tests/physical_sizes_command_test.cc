@@ -66,6 +66,19 @@ TEST_F(PhysicalSizes, AWrongUnitOfTheOilsTemperature) {
   ExpectRefused(log, kMachine, AllOf(HasSubstr("T_oil"), HasSubstr("unit = \"degF\"")));
 }
 
+TEST_F(PhysicalSizes, HotOilInAColumnThatSaysItsUnitIsAQuestion) {
+  const std::string log = Simulate("a.csv", 30, 3, {"--oil", "94:97"});
+  const std::string text = ReadText(log);
+  WriteText(log, std::regex_replace(text, std::regex("T_oil"), "T_oil [degC]"));
+  const std::string machine = MachineWith("column = \"T_oil\"", "column = \"T_oil [degC]\"");
+  for (const char* command : {"fit", "compare", "explain"}) {
+    const Ran ran = Run({command, log, "-m", machine});
+    EXPECT_EQ(ran.exit_code, 0) << command << ran.out << ran.err;
+  }
+  EXPECT_THAT(Run({"check", log, "-m", machine}).out,
+              AllOf(HasSubstr("T_oil"), HasSubstr("unit = \"degF\"")));
+}
+
 TEST_F(PhysicalSizes, AnImpossibleAreaOrPressureDrop) {
   const std::string log = Simulate("a.csv", 30, 3);
   ExpectRefused(log, MachineWith("(A_A *= *\\{ *value *= *)[0-9.]+", "$1 1250000"), HasSubstr("piston area"));

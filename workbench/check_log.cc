@@ -6,6 +6,7 @@
 #include "core/contains.h"
 #include "models/machine_kind.h"
 #include "models/state_model.h"
+#include "pipeline/broken_strokes.h"
 #include "pipeline/episode_cutter.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
@@ -211,6 +212,10 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
           check.driving,
           Tell("mend what stands below, and record again", "beheben, was unten steht, und neu aufzeichnen"));
     check.hints = PlausibilityHints(check);
+    if (const Told broken =
+            BrokenUp(check.pass.channels, machine, check.driving.strokes, check.driving.too_short);
+        !broken.empty())
+      check.hints.push_back(broken);
     if (const Told coarse = CoarseTimeStamps(reader->counters(), machine.signals.size()); !coarse.empty())
       check.hints.insert(check.hints.begin(), coarse);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 
@@ -44,7 +45,7 @@ const std::vector<Expectation>& Expectations() {
        253,
        403,
        {"oil is between -20 and 130 °C", "Öl liegt zwischen -20 und 130 °C"},
-       {"degC", "K"}},
+       {"degC", "K", "degF"}},
       {"V",
        Expectation::kLargest,
        0.1,
@@ -80,10 +81,22 @@ std::optional<Expectation> ExpectedShare(const Machine& machine, const std::stri
   return std::nullopt;
 }
 
+/// Oil of a kind of machine that keeps it cooler than others do.
+Expectation AsTheKindHasIt(const Machine& machine, const std::string& signal, Expectation expected) {
+  for (const MachineInput& input : KindOf(machine).signals) {
+    if (input.name != signal || !input.size || input.size->of != PlausibleSize::kMean) continue;
+    expected.low = input.size->low, expected.high = input.size->high;
+    expected.text = Tell("oil of such a machine is between {:.0f} and {:.0f} °C",
+                         "Öl einer solchen Maschine liegt zwischen {:.0f} und {:.0f} °C",
+                         expected.low - kZeroCelsius, expected.high - kZeroCelsius);
+  }
+  return expected;
+}
+
 std::optional<Expectation> ExpectationFor(const Machine& machine, const SignalSpec& spec, const Unit& unit) {
   if (const auto share = ExpectedShare(machine, spec.name)) return share;
   for (const Expectation& e : Expectations())
-    if (e.si == unit.si) return e;
+    if (e.si == unit.si) return e.measure == Expectation::kMean ? AsTheKindHasIt(machine, spec.name, e) : e;
   return std::nullopt;
 }
 

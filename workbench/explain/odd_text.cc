@@ -54,10 +54,10 @@ Told OddText(const ExplainResult& result, const OddStrokes& odd) {
   const char* were = one ? "It was" : "They were";
   if (!odd.parameter.empty())
     return Tell(
-        "{0} from the rest, and another value of {1} there explains that as well as any effect does: the machine or a setting "
-        "changed. {2} left out",
-        "{0} von den übrigen ab, und ein anderer Wert von {1} dort erklärt das so gut wie jeder Effekt: die Maschine oder eine "
-        "Einstellung hat sich geändert. Das ist ausgelassen",
+        "{0} from the rest, and another value of {1} there, or one of its own in each, explains that as well as any effect does: "
+        "the oil, the machine or a setting changed. {2} left out",
+        "{0} von den übrigen ab, und ein anderer Wert von {1} dort, oder ein eigener in jedem, erklärt das so gut wie jeder Effekt: "
+        "das Öl, die Maschine oder eine Einstellung hat sich geändert. Das ist ausgelassen",
         differs, odd.parameter, were);
   if (odd.set.empty())
     return Tell(

@@ -22,32 +22,59 @@ Result<ExplainResult> ExplainedWith(const std::string& path, Machine machine, co
   return ExplainStrokes(TRY(ReadStrokes(path, machine, KeepSamples::kYes)));
 }
 
-TEST(SwappedColumns, LeaveNoVerdict) {
+class SwappedColumns : public testing::Test {
+ protected:
+  /// The log of a press in a file, and its machine file.
+  void Write(const PressOptions& options, double scale = 1) {
+    SimulatedLog log = SimulatePress(options);
+    for (double& pressure : log.p_A) pressure *= scale;
+    std::string text(kPressLogHeader);
+    for (std::size_t row = 0; row < log.rows(); ++row) AppendPressLine(log.Row(row), text);
+    std::ofstream(path_) << text;
+    machine_ = MachineFor(options);
+    for (SignalSpec& signal : machine_.signals)
+      if (signal.name == "T_oil") signal.unit = "degC";
+    machine_.log.time_column = "t";
+  }
+  const std::string path_ = testing::TempDir() + "/swapped_columns.csv";
+  Machine machine_;
+};
+
+TEST_F(SwappedColumns, LeaveNoVerdict) {
   PressOptions options;
   options.seconds = 60;
   options.effects = {{"internal_leakage", 8e-12, {}}};
-  const SimulatedLog log = SimulatePress(options);
-  std::string text(kPressLogHeader);
-  for (std::size_t row = 0; row < log.rows(); ++row) AppendPressLine(log.Row(row), text);
-  const std::string path = testing::TempDir() + "/swapped_columns.csv";
-  std::ofstream(path) << text;
-  Machine machine = MachineFor(options);
-  for (SignalSpec& signal : machine.signals)
-    if (signal.name == "T_oil") signal.unit = "degC";
-  machine.log.time_column = "t";
+  Write(options);
 
-  const auto right = ExplainedWith(path, machine, "", "");
+  const auto right = ExplainedWith(path_, machine_, "", "");
   ASSERT_TRUE(right) << right.error().text;
   EXPECT_THAT(right->explanation.set, Contains("internal_leakage"));
   EXPECT_FALSE(right->explanation.partial);
   EXPECT_TRUE(right->log.swapped.empty());
 
-  const auto swapped = ExplainedWith(path, machine, "p_B", "p_0");
+  const auto swapped = ExplainedWith(path_, machine_, "p_B", "p_0");
   ASSERT_TRUE(swapped) << swapped.error().text;
   EXPECT_THAT(swapped->explanation.no_verdict.english,
               HasSubstr("p_B (column p_0) stands above p_0 (column p_B)"));
   EXPECT_EQ(swapped->explanation.verdict, Verdict::kUnknown);
   EXPECT_TRUE(swapped->explanation.set.empty());
+}
+
+/// A model takes up any scale of the pressure, so that only what comes out tells.
+TEST_F(SwappedColumns, AWrongScaleOfThePressureIsTold) {
+  PressOptions options;
+  options.seconds = 60;
+  for (const double scale : {1.0, 2.0, 0.1}) {
+    Write(options, scale);
+    const auto explained = ExplainedWith(path_, machine_, "", "");
+    ASSERT_TRUE(explained) << explained.error().text;
+    const auto told = testing::Contains(testing::Field(
+        &Told::english, testing::MatchesRegex("K comes out as .*: check the scales of pressure.*")));
+    if (scale == 1)
+      EXPECT_THAT(explained->explanation.warnings, testing::Not(told));
+    else
+      EXPECT_THAT(explained->explanation.warnings, told) << scale;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "diagnosis/explain.h"
+#include "diagnosis/odd_strokes.h"
+
+namespace hydroscope {
+
+/// What `fit` leaves of the output, as weights of the columns.
+Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit);
+
+/// Parameters of the base model that explain odd strokes by other values in them.
+struct ParameterInPlace {
+  std::string by_one;  ///< the same other value in all of them; "" if no parameter does
+  std::string
+      by_each;  ///< a value of its own in each of them, as a parameter has that follows the oil; "" if none does
+};
+
+/// Parameters that explain the strokes `odd` about as well as the effects of `found` do and down to the floor, or, if these explain
+/// nothing, down to the floor. The rest of the strokes has the model `rest`.
+ParameterInPlace ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
+                                    const ExtendedFit& rest, const ExplainOptions& explain,
+                                    const OddStrokeOptions& options);
+
+}  // namespace hydroscope

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/records/estimate.h"
+#include "core/told.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+
+/// A bulk modulus that is surely none of oil in a cylinder, though physics allows it: a model takes up any scale of the pressure, so
+/// that only this tells a wrong one. A sentence; "" of other parameters and of usual ones.
+Told UnusualModulus(const MachineKind& kind, const Estimate& parameter);
+
+}  // namespace hydroscope
