@@ -13,8 +13,8 @@ Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit
 /// Parameters of the base model that explain odd strokes by other values in them.
 struct ParameterInPlace {
   std::string by_one;  ///< the same other value in all of them; "" if no parameter does
-  std::string
-      by_each;  ///< a value of its own in each of them, as a parameter has that follows the oil; "" if none does
+  /// A value of its own in each of them, as a parameter has that follows the oil; "" if none does.
+  std::string by_each;
 };
 
 /// Parameters that explain the strokes `odd` about as well as the effects of `found` do and down to the floor, or, if these explain
