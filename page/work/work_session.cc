@@ -160,13 +160,14 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
         Told("these strokes are of no database: take those of an alarm or of a trend",
              "diese Hübe sind aus keiner Datenbank: die eines Alarms oder eines Verlaufs nehmen"));
   const Promotion promotion{strokes_of_.machine, 0, machine_.Text(), 0, user, comment, WallSeconds()};
-  return jobs_.Add("promote", "", [this, promotion]() -> Status {
+  const auto promote = [this, promotion]() -> Status {
     TRY(PromoteWorkedOn(database_, promotion));
     const std::lock_guard lock(mutex_);
     machine_.MarkSaved(promotion.text);  // what was added since is not
     Changed();
     return {};
-  });
+  };
+  return jobs_.Add("promote", "", promote, JobQueue::Length::kShort);
 }
 
 void WorkSession::StartOver(nlohmann::json asked) {
