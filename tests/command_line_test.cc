@@ -69,6 +69,7 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
                 "--random-machine -3: expected a larger number"},
            Case{{"fit"}, "LOG is missing: Logs of one machine"},
            Case{{"fit", "x.csv"}, "--machine is missing: Machine file"},
+           Case{{"fit", "x.csv"}, "`hydroscope init LOG --out press.toml`"},
            Case{{"learn", "--db"}, "--db: its value is missing"},
        }) {
     const Ran ran = Run(c.words);
