@@ -6,7 +6,7 @@ import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, endBrowser, startBrowser, visitIn, visitServed } from "./browser_fixture.mjs";
+import { assertAccessible, endBrowser, settled, startBrowser, visitIn, visitServed } from "./browser_fixture.mjs";
 import { addValveChecks, makeHistory } from "./history.mjs";
 import { folder, run, serve } from "./program.mjs";
 
@@ -49,7 +49,7 @@ async function englishOn(page) {
 /** Opens what is folded, and holds that nothing of the page reads English. */
 async function assertGerman(page, where) {
   await page.evaluate(() => { for (const fold of document.querySelectorAll("details")) fold.open = true; });
-  await page.waitForTimeout(300);
+  await settled(page);
   assert.deepEqual(await englishOn(page), [], where);
   await assertAccessible(page, where);
 }
