@@ -127,9 +127,10 @@ async function take(name, device, colorScheme, locale) {
   const shoot = async (page, state) => {
     await page.waitForTimeout(250);
     await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: true });
+    if (device.hasTouch) await devTools.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 1 });  // a whole page takes it away
   };
   const context = await chromium.newContext({ ...device, colorScheme, locale });
-  const page = await context.newPage();
+  const page = await context.newPage(), devTools = await context.newCDPSession(page);
   page.setDefaultTimeout(patience);
   if (only !== "service") await takeWatching(page, shoot);
   await takeService(page, shoot, name);
