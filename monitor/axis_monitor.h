@@ -23,9 +23,9 @@ namespace hydroscope {
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
 ///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
-///   Learn()), while limits of [monitor.*], which need no reference, are judged already; then each stroke: drift
-///   monitor, limits, loss of signals -> alarms -> journal, and as soon as a finding has enough strokes behind it, what comparing those before and after says; then
-///   valve checks.
+///   Learn()), while limits of [monitor.*], which need no reference, are judged already; then each stroke:
+///   drift monitor, limits, loss of signals -> alarms -> journal, and as soon as a finding has enough strokes
+///   behind it, what comparing those before and after says; then valve checks.
 /// What is said depends on the strokes alone, not on how many were there at a time. A saved state that cannot
 /// be read (of another program version, or of a model with other parameters) is made anew from stored
 /// strokes, told by an event.
