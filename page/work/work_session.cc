@@ -49,7 +49,12 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
   std::unique_ptr<WorkSession> session(
       new WorkSession(std::move(examples), feed, std::move(folder), niceness));
   std::filesystem::create_directory(session->folder_->path() + "/machine");
-  for (const std::string& log : logs) session->logs_.push_back({log, log});
+  for (const std::string& log : logs) {
+    if (log.find('#') == log.npos &&
+        !std::filesystem::exists(log))  // "press.db#cushion_1" is opened when it is read
+      return BadInput(Tell("Log '{}' does not exist", "Log '{}' gibt es nicht", log));
+    session->logs_.push_back({log, log});
+  }
   if (machine_file.empty()) return session;
   TRY(LoadMachine(machine_file));
   TRY(session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
