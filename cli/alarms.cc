@@ -7,6 +7,7 @@
 
 #include "alarms/alarm_action.h"
 #include "alarms/alarm_metrics.h"
+#include "cli/alarms_learning.h"
 #include "cli/alarms_scada.h"
 #include "cli/command_answer.h"
 #include "cli/commands.h"
@@ -90,9 +91,9 @@ Result<AlarmJournal> OpenJournal(const AlarmsArguments& a, bool to_change = fals
 
 /// Machines of which the list is no all-clear: the healthy machine is being learned, and nothing is judged. The journal
 /// speaks of a machine from the first judgement on.
-Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const AlarmsArguments& a) {
-  const auto database = Database::OpenReadOnly(a.db);
-  if (!database) return std::vector<std::string>{};  // moved away, and the journal speaks for itself
+Result<std::vector<LearningMachine>> NotJudged(AlarmJournal& journal, const AlarmsArguments& a) {
+  auto database = Database::OpenReadOnly(a.db);
+  if (!database) return std::vector<LearningMachine>{};  // moved away, and the journal speaks for itself
   const auto machines = TRY(database->MachineNames());
   std::vector<std::string> learning;
   for (const std::string& machine : machines) {
@@ -100,23 +101,32 @@ Result<std::vector<std::string>> NotJudged(const AlarmJournal& journal, const Al
     const auto axis = TRY(journal.Axis(machine));
     if (!axis.monitor.judges()) learning.push_back(machine);
   }
-  return learning;
+  return LearningOf(*database, a.db, journal, learning);
 }
 
 Status List(const AlarmsArguments& a) {
-  const auto journal = TRY(OpenJournal(a));
+  auto journal = TRY(OpenJournal(a));
   const auto alarms = TRY(ListedAlarms(journal, a));
   const auto not_judged = TRY(NotJudged(journal, a));
   const std::string not_stored = WhyNothingIsStored(a.db);
-  Json document = {{"alarms", Json::array()}, {"not_judged", not_judged}, {"not_stored", not_stored}};
+  Json document = {{"alarms", Json::array()},
+                   {"not_judged", Json::array()},
+                   {"learning", Json::array()},
+                   {"not_stored", not_stored}};
   std::string text = !not_stored.empty()
                          ? fmt::format("THIS IS OLD: the service stores nothing now, alarms neither: {}\n",
                                        Printable(not_stored))
                      : alarms.empty() ? "no alarm stands\n"
                                       : "";
-  if (!not_judged.empty())
-    text += fmt::format("not judged yet, the healthy machine is being learned: {}\n",
-                        Printable(fmt::format("{}", fmt::join(not_judged, ", "))));
+  if (!not_judged.empty()) text += "not judged yet, the healthy machine is being learned:";
+  for (const LearningMachine& one : not_judged) {
+    document["not_judged"].push_back(one.machine);
+    document["learning"].push_back(
+        {{"machine", one.machine}, {"learned", one.learned}, {"needed", one.needed}});
+    text += not_judged.size() == 1 ? " " : "\n     ";
+    text += Printable(LearningText(one));
+  }
+  if (!not_judged.empty()) text += "\n";
   for (std::size_t i = 0; i < alarms.size(); ++i) {
     const auto& [machine, alarm] = alarms[i];
     document["alarms"].push_back(AlarmJson(machine, alarm));

@@ -121,7 +121,8 @@ std::string Explained(const CLI::App& command, const CLI::ParseError& error) {
   const std::string name = option->get_positional() ? option->get_name() : option->get_name(false, false);
   switch (static_cast<CLI::ExitCodes>(error.get_exit_code())) {
     case CLI::ExitCodes::RequiredError:
-      return fmt::format("{} is missing: {}", name, option->get_description());
+      return fmt::format("{} is missing: {}{}", name, option->get_description(),
+                         name == "--machine" ? "; `hydroscope init LOG --out press.toml` proposes one" : "");
     case CLI::ExitCodes::ArgumentMismatch:
       return name + ": its value is missing";
     case CLI::ExitCodes::ConversionError:

@@ -62,6 +62,38 @@ Result<bool> AxisMonitor::CollectForLearning() {
   return true;
 }
 
+/// Limits of the machine file hold while the healthy machine is being learned, too.
+Status AxisMonitor::JudgeLimitsBefore(std::int64_t end, double wall) {
+  while (!machine_.monitors.empty() && limits_to_ < end) {
+    const auto strokes = TRY(Load(limits_to_, std::min(kStrokesPerChange, end - limits_to_)));
+    if (strokes.empty()) return {};
+    TRY(Change(wall, [&](AxisContent& axis) {
+      for (const Stored& stroke : strokes) {
+        const StrokeSummary& summary = stroke.record.summary;
+        last_ = {summary.end, wall, stroke.sequence, summary.oil_temperature, stroke.model_version, 0};
+        const bool cold = summary.oil_temperature < rules_.minimum_temperature;
+        for (AlarmState& alarm : axis.alarms) {
+          axis.Append(alarm_machine::Tick(alarm, last_));
+          if (IsOfLimit(alarm)) axis.Append(alarm_machine::Suppress(alarm, kSuppressedTooCold, cold, last_));
+        }
+        if (!cold)
+          axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_,
+                                   {stroke.record, stroke.sequence, drift::JudgementReason::kJudged}, last_,
+                                   axis);
+        Suppress(axis, last_);
+        limits_to_ = stroke.sequence + 1;
+      }
+    }));
+  }
+  return {};
+}
+
+/// Whether it tells of a limit of the machine file, which no reference changes.
+bool AxisMonitor::IsOfLimit(const AlarmState& alarm) const {
+  return std::ranges::any_of(
+      machine_.monitors, [&](const MonitorSpec& spec) { return alarm.id.starts_with(spec.parameter + "."); });
+}
+
 /// True once a reference is there.
 Result<bool> AxisMonitor::Commission(double wall) {
   const auto enough = CollectForLearning();
@@ -74,6 +106,7 @@ Result<bool> AxisMonitor::Commission(double wall) {
              counted().Many(), part.first, part.last - 1, doubt->text);
     return false;
   }
+  TRY(JudgeLimitsBefore(collected_to_, wall));
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
   if (learned) return true;
   if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
@@ -94,7 +127,7 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
   unreadable_ = false;
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms)
-      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
+      if (!IsOfLimit(alarm)) axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
     AppendReference(reference, strokes, user, axis);
     if (!doubts.empty())
       axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;

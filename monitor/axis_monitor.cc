@@ -168,6 +168,10 @@ Status AxisMonitor::CatchUp(double wall) {
   TRY(Refresh());
   if (unreadable_) TRY(BeginAnew(wall));
   if (!monitor_) TRY(Commission(wall));
+  if (!monitor_) {
+    const auto stored_to = TRY(database_.EndSequence(machine_id_));
+    TRY(JudgeLimitsBefore(stored_to, wall));
+  }
   if (monitor_) TRY(JudgeStrokes(wall));
   return JudgeValveChecks(wall);
 }
@@ -301,7 +305,8 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold) axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
+  if (!cold && stroke.sequence >= limits_to_)
+    axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
   Suppress(content, now);
 }
 

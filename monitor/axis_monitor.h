@@ -23,9 +23,9 @@ namespace hydroscope {
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
 ///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
-///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal,
-///   and as soon as a finding has enough strokes behind it, what comparing those before and after says; then
-///   valve checks.
+///   Learn()), while limits of [monitor.*], which need no reference, are judged already; then each stroke:
+///   drift monitor, limits, loss of signals -> alarms -> journal, and as soon as a finding has enough strokes
+///   behind it, what comparing those before and after says; then valve checks.
 /// What is said depends on the strokes alone, not on how many were there at a time. A saved state that cannot
 /// be read (of another program version, or of a model with other parameters) is made anew from stored
 /// strokes, told by an event.
@@ -110,6 +110,8 @@ class AxisMonitor {
   Result<bool> CollectForLearning();
   Status CountNotJudged();
   Result<bool> Commission(double wall);
+  Status JudgeLimitsBefore(std::int64_t end, double wall);
+  bool IsOfLimit(const AlarmState& alarm) const;
   Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                    const AlarmUser& user);
   Status JudgeStrokes(double wall);
@@ -135,6 +137,7 @@ class AxisMonitor {
   drift::ValveCheckMonitor valve_;
   std::int64_t checks_ = 0;                         ///< valve checks judged
   std::int64_t next_ = 0;                           ///< first stroke not judged yet
+  std::int64_t limits_to_ = 0;                      ///< or, where it is later, that by limits
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
   AlarmJournal::Version seen_;                      ///< of the journal when it was read last
   bool unreadable_ = false;                         ///< that state could not be read

@@ -29,6 +29,7 @@ Status AxisMonitor::Refresh() {
 void AxisMonitor::Restore(const AxisContent& content) {
   next_ = content.monitor.next_stroke;
   last_.stroke = next_ - 1;
+  limits_to_ = next_;
   saved_ = content.monitor.state;
   collected_.clear();
   collected_to_ = next_;
@@ -48,7 +49,7 @@ void AxisMonitor::Forget() {
 }
 
 /// State: whether a reference was learned, drift monitor, valve checks judged, their monitor, what stood when
-/// (states of earlier versions end before that).
+/// (states of earlier versions end before that), and up to which stroke limits are judged where that is further.
 bool AxisMonitor::RestoreState() {
   ByteReader in(*saved_);
   const bool learned = in.Get<std::uint8_t>() != 0;
@@ -57,6 +58,7 @@ bool AxisMonitor::RestoreState() {
   checks_ = in.Get<std::int64_t>();
   if (!valve_.Restore(in)) return false;
   if (!in.at_end() && !history_.Restore(in)) return false;
+  if (!in.at_end()) limits_to_ = in.Get<std::int64_t>();
   return in.ok() && in.at_end();
 }
 
@@ -67,6 +69,7 @@ std::vector<std::uint8_t> AxisMonitor::SaveState() const {
   out.Put(checks_);
   valve_.Save(out);
   history_.Save(out);
+  if (limits_to_ > next_) out.Put(limits_to_);
   return out.Take();
 }
 

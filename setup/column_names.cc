@@ -126,6 +126,9 @@ std::optional<Role> PressureRole(const std::string& text, const std::string& squ
   if (Has(squeezed, {"supply", "pump", "system", "versorg", "netz", "speicher", "accu"}))
     return Role::kSupplyPressure;
   if (const auto chamber = ChamberRole(text, squeezed)) return chamber;
+  const std::string port = LastWord(text);  // of a valve, as its body has them cast
+  if (port == "p") return Role::kSupplyPressure;
+  if (port == "t") return Role::kTankPressure;
   if (TellsAbove(squeezed)) return Role::kPressureB;
   if (TellsBelow(squeezed)) return Role::kPressureA;
   return Role::kPressure;

@@ -25,6 +25,8 @@ TEST(ColumnNames, AreUnderstoodInEnglishAndGerman) {
                                                            {"Unterdruck", Role::kPressure},
                                                            {"Supply Pressure", Role::kSupplyPressure},
                                                            {"Pumpendruck", Role::kSupplyPressure},
+                                                           {"Druck P [bar]", Role::kSupplyPressure},
+                                                           {"Druck T", Role::kTankPressure},
                                                            {"Tankdruck", Role::kTankPressure},
                                                            {"Weg", Role::kPosition},
                                                            {"Position [mm]", Role::kPosition},

@@ -53,24 +53,27 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
     std::vector<std::string> words;
     const char* told;
   };
-  for (const Case& c : {
-           Case{{"frf", "x.csv", "-m", "m.toml", "--settle", "-1"},
-                "--settle -1: expected a number from 0 to 100000"},
-           Case{{"simulate", "flexible-axis", "--out", "x.csv", "--rows", "999999999999"},
-                "--rows 999999999999: expected a smaller number"},
-           Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
-           Case{{"serve", "m.toml", "--db", "x.db", "--port", "99999"},
-                "--port 99999: expected a whole number from 0 to 65535"},
-           Case{{"completion", "fish"}, "SHELL fish: expected bash or zsh"},
-           Case{{"simulate", "press", "--seconds", "abc", "--out", "x.csv"},
-                "--seconds abc: expected a number"},
-           Case{{"simulate", "press", "--seconds", "", "--out", "x.csv"}, "--seconds '': expected a number"},
-           Case{{"simulate", "press", "--random-machine", "-3", "--out", "x.csv"},
-                "--random-machine -3: expected a larger number"},
-           Case{{"fit"}, "LOG is missing: Logs of one machine"},
-           Case{{"fit", "x.csv"}, "--machine is missing: Machine file"},
-           Case{{"learn", "--db"}, "--db: its value is missing"},
-       }) {
+  for (
+      const Case& c : {
+          Case{{"frf", "x.csv", "-m", "m.toml", "--settle", "-1"},
+               "--settle -1: expected a number from 0 to 100000"},
+          Case{{"simulate", "flexible-axis", "--out", "x.csv", "--rows", "999999999999"},
+               "--rows 999999999999: expected a smaller number"},
+          Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
+          Case{{"serve", "m.toml", "--db", "x.db", "--port", "99999"},
+               "--port 99999: expected a whole number from 0 to 65535"},
+          Case{{"completion", "fish"}, "SHELL fish: expected bash or zsh"},
+          Case{{"simulate", "press", "--seconds", "abc", "--out", "x.csv"},
+               "--seconds abc: expected a number"},
+          Case{{"simulate", "press", "--seconds", "", "--out", "x.csv"}, "--seconds '': expected a number"},
+          Case{{"simulate", "press", "--random-machine", "-3", "--out", "x.csv"},
+               "--random-machine -3: expected a larger number"},
+          Case{{"fit"}, "LOG is missing: Logs of one machine"},
+          Case{
+              {"fit", "x.csv"},
+              "--machine is missing: Machine file (TOML); `hydroscope init LOG --out press.toml` proposes one"},
+          Case{{"learn", "--db"}, "--db: its value is missing"},
+      }) {
     const Ran ran = Run(c.words);
     EXPECT_EQ(ran.exit_code, 2) << c.told;
     EXPECT_THAT(ran.err, testing::StartsWith(std::string("hydroscope: ") + c.told));

@@ -1,3 +1,5 @@
+#include <gmock/gmock.h>
+
 #include <csignal>
 #include <thread>
 
@@ -9,6 +11,12 @@ namespace {
 using namespace command_line_test;
 
 class OpenCommand : public CommandLine {};
+
+TEST_F(OpenCommand, SaysAtOnceThatALogIsNotThere) {
+  const Ran ran = Run({"open", File("none.csv")});
+  EXPECT_EQ(ran.exit_code, 3);
+  EXPECT_THAT(ran.err, testing::HasSubstr("none.csv"));
+}
 
 TEST_F(OpenCommand, EndsCleanlyWhenItsTerminalIsClosed) {
   const std::string scratch = File("scratch");

@@ -135,6 +135,7 @@ TEST_F(PrintedTables, WhatReadsADatabaseTakesTheNameOfAMachineByOneOption) {
   EXPECT_THAT(alarms.out, HasSubstr("no alarm stands"));
   EXPECT_THAT(alarms.out, HasSubstr("not judged yet, the healthy machine is being learned: die_cushion"))
       << "40 s are no commissioning";
+  EXPECT_THAT(alarms.out, testing::ContainsRegex("[0-9]+[[:space:]]+of[[:space:]]+1500[[:space:]]+strokes"));
 }
 
 TEST_F(PrintedTables, ErrorsFitALineAndKeepCommandsAndMarksWhole) {

@@ -29,13 +29,14 @@ JobQueue::JobQueue(EventFeed& feed, int niceness) : feed_(feed) {
   ListenToProgress([this](const std::string& what, double share) {
     const std::lock_guard lock(mutex_);
     for (Job& job : jobs_) {
-      if (job.state != "running") continue;
+      if (job.state != "running" || job.length != Length::kLong) continue;
       job.what = what;
       job.share = share;
       Tell(job);
     }
   });
-  thread_ = std::thread([this, niceness] { Run(niceness); });
+  threads_ = {std::thread([this, niceness] { Run(Length::kLong, niceness); }),
+              std::thread([this] { Run(Length::kShort, 0); })};
 }
 
 JobQueue::~JobQueue() {
@@ -44,7 +45,7 @@ JobQueue::~JobQueue() {
     ending_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  for (std::thread& thread : threads_) thread.join();
   ListenToProgress({});
 }
 
@@ -53,7 +54,7 @@ void JobQueue::Tell(const Job& job) {
 }
 
 Result<std::int64_t> JobQueue::Add(const std::string& kind, const std::string& key,
-                                   std::function<Status()> work) {
+                                   std::function<Status()> work, Length length) {
   std::int64_t id = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -69,7 +70,7 @@ Result<std::int64_t> JobQueue::Add(const std::string& kind, const std::string& k
       return BadInput(hydroscope::Tell("{} jobs wait already; wait for them",
                                        "{} Arbeiten warten schon; bitte warten", waiting));
     id = ++last_id_;
-    jobs_.push_back({id, kind, key, "waiting", "", {}, 0, std::move(work)});
+    jobs_.push_back({id, kind, key, "waiting", "", {}, 0, std::move(work), length});
     Tell(jobs_.back());
   }
   changed_.notify_all();
@@ -84,16 +85,17 @@ nlohmann::json JobQueue::Json() const {
   return out;
 }
 
-void JobQueue::Run(int niceness) {
+void JobQueue::Run(Length length, int niceness) {
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness);  // of this thread
   std::unique_lock lock(mutex_);
-  const auto next = [this] {
-    return std::find_if(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.state == "waiting"; });
+  const auto next = [this, length] {
+    return std::find_if(jobs_.begin(), jobs_.end(),
+                        [length](const Job& job) { return job.state == "waiting" && job.length == length; });
   };
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || next() != jobs_.end(); });
     if (ending_) return;
-    Job& job = *next();  // stays where it is: only ended ones in front of it are taken away, by this thread
+    Job& job = *next();  // stays where it is: only ended ones in front of it are taken away
     job.state = "running";
     Tell(job);
     const auto work = std::move(job.work);
@@ -103,7 +105,8 @@ void JobQueue::Run(int niceness) {
     job.state = done ? "done" : "failed";
     if (!done) job.error = ToldOf(done.error());
     Tell(job);
-    while (jobs_.size() > kEndedKept && jobs_.front().state != "waiting") jobs_.pop_front();
+    while (jobs_.size() > kEndedKept && (jobs_.front().state == "done" || jobs_.front().state == "failed"))
+      jobs_.pop_front();
   }
 }
 

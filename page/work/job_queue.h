@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -14,19 +15,23 @@
 
 namespace hydroscope {
 
-/// Long work, one piece after the other in a thread of its own. What becomes of each is told to the event feed, one JSON
+/// Work in threads of its own: long work one piece after the other, and beside it what is done in a moment and must not
+/// wait for that. What becomes of each is told to the event feed, one JSON
 /// object an event: `job`, `kind`, `state` (waiting, running, done, failed), while running `what` and `share` (0...1),
 /// of a failed one `error`.
 class JobQueue {
  public:
-  /// `niceness` of the thread beyond that of the process.
+  enum class Length { kLong, kShort };
+
+  /// `niceness` of long work beyond that of the process.
   explicit JobQueue(EventFeed& feed, int niceness = 0);
-  /// Waits for the piece under way; what still waits is forgotten.
+  /// Waits for the pieces under way; what still waits is forgotten.
   ~JobQueue();
 
   /// Returns the number of the job. One of the same `key` that still waits takes its place: its number is returned.
   /// Error: too much waits.
-  Result<std::int64_t> Add(const std::string& kind, const std::string& key, std::function<Status()> work);
+  Result<std::int64_t> Add(const std::string& kind, const std::string& key, std::function<Status()> work,
+                           Length length = Length::kLong);
   /// Those that wait or run, and the last that ended, in order.
   nlohmann::json Json() const;
 
@@ -42,8 +47,9 @@ class JobQueue {
     Told error;
     double share = 0;
     std::function<Status()> work;
+    Length length = Length::kLong;
   };
-  void Run(int niceness);
+  void Run(Length length, int niceness);
   void Tell(const Job& job);
 
   EventFeed& feed_;
@@ -52,7 +58,7 @@ class JobQueue {
   std::deque<Job> jobs_;  ///< ended ones first
   std::int64_t last_id_ = 0;
   bool ending_ = false;
-  std::thread thread_;
+  std::array<std::thread, 2> threads_;
 };
 
 }  // namespace hydroscope

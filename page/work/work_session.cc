@@ -49,7 +49,12 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
   std::unique_ptr<WorkSession> session(
       new WorkSession(std::move(examples), feed, std::move(folder), niceness));
   std::filesystem::create_directory(session->folder_->path() + "/machine");
-  for (const std::string& log : logs) session->logs_.push_back({log, log});
+  for (const std::string& log : logs) {
+    if (log.find('#') == log.npos &&
+        !std::filesystem::exists(log))  // "press.db#cushion_1" is opened when it is read
+      return BadInput(Tell("Log '{}' does not exist", "Log '{}' gibt es nicht", log));
+    session->logs_.push_back({log, log});
+  }
   if (machine_file.empty()) return session;
   TRY(LoadMachine(machine_file));
   TRY(session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
@@ -160,13 +165,14 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
         Told("these strokes are of no database: take those of an alarm or of a trend",
              "diese Hübe sind aus keiner Datenbank: die eines Alarms oder eines Verlaufs nehmen"));
   const Promotion promotion{strokes_of_.machine, 0, machine_.Text(), 0, user, comment, WallSeconds()};
-  return jobs_.Add("promote", "", [this, promotion]() -> Status {
+  const auto promote = [this, promotion]() -> Status {
     TRY(PromoteWorkedOn(database_, promotion));
     const std::lock_guard lock(mutex_);
     machine_.MarkSaved(promotion.text);  // what was added since is not
     Changed();
     return {};
-  });
+  };
+  return jobs_.Add("promote", "", promote, JobQueue::Length::kShort);
 }
 
 void WorkSession::StartOver(nlohmann::json asked) {

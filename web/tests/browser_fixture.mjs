@@ -12,6 +12,15 @@ let chromium;
 export async function startBrowser() { chromium = await browser(); }
 export async function endBrowser() { await chromium?.close(); }
 
+/** `hydroscope open` for several tests that change nothing of it, started by the first of them. */
+export function sharedProgram(words, path) {
+  let started;
+  return {
+    visit: async (t, options) => visitServed({ ...await (started ??= open(words, path)), leave: async () => {} }, t, options),
+    end: async () => { if (started) await (await started).leave(); },
+  };
+}
+
 /** A page of a program of its own, until the test is over; what fails on the page fails the test. */
 export async function visitIn(path, t, words, options = {}) {
   return visitServed(await open(words, path), t, options);
@@ -50,9 +59,17 @@ export async function drop(page, files) {
 export async function until(page, condition) {
   for (const end = Date.now() + patience; Date.now() < end;) {
     if (await page.evaluate(condition)) return;
-    await page.waitForTimeout(100);
+    await page.waitForTimeout(50);
   }
   assert.fail(`not so after ${patience} ms: ${condition}`);
+}
+
+/** Waits until what was opened or asked for stands there: the page says the same at two looks. */
+export async function settled(page) {
+  for (let before = "", now = await page.innerText("body"); before !== now; now = await page.innerText("body")) {
+    before = now;
+    await page.waitForTimeout(60);
+  }
 }
 
 /** The errors of the versions of the model, as they stand on the page, once all of them are judged. */
@@ -119,8 +136,8 @@ export async function press(page, selector) {
 
 export async function assertAccessible(page, where) {
   assert.deepEqual((await page.innerText("body")).match(/<[^<>]+[/|][^<>]+>/g), null, `${where}: words left to choose`);
-  await page.evaluate(axeSource);
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"], resultTypes: ["violations"] }));
   assert.deepEqual(violations.map((v) => `${where}: ${v.id}: ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`), []);
 }
 
@@ -156,18 +173,29 @@ export async function assertReachable(page, where) {
   assert.deepEqual(await page.evaluate(reach.end), { missed: [], unseen: [] }, where);
 }
 
-/** Pages look the same to all: light and dark, in English and in German. What is shown is looked at in both, without loading anew. */
+const widths = [{ width: 1400, height: 900 }, { width: 390, height: 844 }];  // of a desk and of a phone
+
+/** Pages look the same to all: wide and on a phone, light and dark, in English and in German; without loading anew. axe sees each
+ * width, each language and both schemes, though not all eight of these together; keys reach all of it in both widths. */
 export async function assertLooksGood(page, where) {
-  const german = (await page.getAttribute("html", "lang")) === "de";
-  await assertAccessible(page, where);
-  await assertFits(page, where);
-  await page.emulateMedia({ colorScheme: "dark" });
-  await until(page, () => document.documentElement.dataset.theme === "dark");
-  await page.selectOption(".top select >> nth=-1", german ? "en" : "de");
-  await assertAccessible(page, `${where}, dark, the other language`);
-  await assertFits(page, `${where}, dark, the other language`);
-  await page.selectOption(".top select >> nth=-1", german ? "de" : "en");
-  await page.emulateMedia({ colorScheme: "light" });
+  const language = await page.getAttribute("html", "lang"), other = language === "de" ? "en" : "de";
+  const show = async (chosen, scheme) => {
+    await page.emulateMedia({ colorScheme: scheme });
+    await until(page, `document.documentElement.dataset.theme === "${scheme}"`);
+    await page.selectOption(".top select >> nth=-1", chosen);
+  };
+  for (const [size, looks] of [[widths[0], [[language, "light", true], [other, "dark", false]]], [widths[1], [[other, "dark", true], [language, "light", false]]]]) {
+    await page.setViewportSize(size);
+    for (const [chosen, scheme, whole] of looks) {
+      const seen = `${where}, ${size.width} wide, ${scheme}, ${chosen}`;
+      await show(chosen, scheme);
+      await assertFits(page, seen);
+      if (!whole) continue;
+      await assertAccessible(page, seen);
+      await assertReachable(page, seen);
+    }
+  }
+  await page.setViewportSize(widths[0]);
 }
 
 export async function assertFits(page, where) {

@@ -80,13 +80,14 @@ pump = { start = 0.1, min = 0.01, max = 2 }
   run(["replay", "tank.csv", "--machine", "tank.toml", "--db", "tank.db"], path);
 }
 
-/** fleet.db: twelve axes of three presses with begin.csv (makeBeginning), and alarms as that of press.db (makeHistory) at nine. */
+/** fleet.db: twelve axes of three presses with half a minute of strokes each, and alarms as that of press.db (makeHistory) at nine. */
 export function makeFleet(path) {
   const text = readFileSync(join(path, "press.toml"), "utf8");
+  simulate(path, "fleet.csv", begin, ["--seconds", "30", "--seed", "3", "--oil", "30:40"]);
   const axes = ["Presse_Nord", "Presse_Sued_mit_langem_Namen", "P3"].flatMap((press) => [1, 2, 3, 4].map((axis) => `${press}/Kissen_${axis}`));
   for (const axis of axes) {
     writeFileSync(join(path, "fleet.toml"), text.replace('name = "die_cushion"', `name = "${axis}"`));
-    run(["replay", "begin.csv", "--machine", "fleet.toml", "--db", "fleet.db"], path);
+    run(["replay", "fleet.csv", "--machine", "fleet.toml", "--db", "fleet.db"], path);
   }
   const alarms = axes.filter((_, k) => k % 4 !== 0).map((axis, k) =>
     `UPDATE one SET machine = '${axis}', severity = '${["advisory", "warning", "alarm"][k % 3]}', acknowledged = ${k % 2}; INSERT INTO alarm SELECT * FROM one;`);

@@ -374,6 +374,19 @@ test("a machine of one's own has a page of its own: from the first page and back
   await page.uncheck(".effects input[type=checkbox]");
   await page.waitForSelector("p.verdict.good");
 
+  // a line that nothing is written into yet keeps nothing back; one without a name is told
+  await page.click("button:has-text('Noch ein Effekt')");
+  await page.fill("input[name=balance-expression-0]", `${pressure} + ${way}`);
+  await page.waitForSelector("p.verdict.bad:has-text('Pa')");
+  await page.fill("input[name=balance-expression-0]", pressure);
+  await page.waitForSelector("p.verdict.good");
+  await page.fill("input[name=effect-expression-1]", way);
+  await page.fill("input[name=effect-id-1]", "");
+  await page.waitForSelector("p.verdict.bad:has-text('ein Name')");
+  assert.ok(await page.locator("button.primary").isDisabled());
+  await page.click(".effects li:nth-child(2) button");
+  await page.waitForSelector("p.verdict.good");
+
   // the gate: a condition that is written is a line, which is dragged
   const strokes = () => page.locator(".log-view [role=status]").innerText();
   const all = await strokes();

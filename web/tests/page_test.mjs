@@ -7,7 +7,7 @@ import { request } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertLooksGood, assertReachable, dragThreshold, drop, endBrowser, errorsOfVersions, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, assertLooksGood, dragThreshold, drop, endBrowser, errorsOfVersions, sharedProgram, startBrowser, until, visitIn } from "./browser_fixture.mjs";
 import { folder, open, program, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -19,12 +19,14 @@ before(async () => {
   run(["simulate", "press", "--out", "hidden.csv", "--seconds", "90", "--seed", "4", "--effect", "relief_valve=3e-11"], place.path);
 });
 after(async () => {
+  await hidden.end();
   await endBrowser();
   place.remove();
 });
 
 /** A page over these words of `open`, in the folder of the logs. */
 const visit = (t, words, options) => visitIn(place.path, t, words, options);
+const hidden = sharedProgram(["hidden.csv", "--machine", cushion], place.path);
 
 test("a hidden effect is dropped, mapped, located, added and saved", async (t) => {
   const { page, address } = await visit(t, []);
@@ -112,7 +114,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
 });
 
 test("a region drawn on the map filters strokes, overlay and ranking", async (t) => {
-  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  const { page, address } = await hidden.visit(t);
   await page.goto(`${address}#step=locate`);
   await page.waitForSelector(".ranking table");
   await page.locator("label:has-text('Error over') select").selectOption({ label: (await page.locator("label:has-text('Error over') option").allInnerTexts()).find((name) => /^p_A \(/.test(name)) });
@@ -160,7 +162,7 @@ test("a region drawn on the map filters strokes, overlay and ranking", async (t)
 });
 
 test("an effect that another one explains better is replaced by a button, and no version is lost", async (t) => {
-  run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
+  run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
   writeFileSync(join(place.path, "wrong.toml"), readFileSync(cushion, "utf8").replace("[machine]\n", '[machine]\neffects = ["external_leakage"]\n'));
   const { page, address } = await visit(t, ["leak.csv", "--machine", "wrong.toml"]);
   await page.goto(address);
@@ -176,7 +178,7 @@ test("an effect that another one explains better is replaced by a button, and no
 });
 
 test("another step, and an effect chosen from further down, are seen from their top", async (t) => {
-  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion], { viewport: { width: 390, height: 700 } });
+  const { page, address } = await hidden.visit(t, { viewport: { width: 390, height: 700 } });
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".ranking table");
   const down = () => page.evaluate(() => { scrollTo(0, 1e6); return scrollY; });
@@ -211,6 +213,7 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
   const { page, address } = await visit(t, ["rivals.csv", "--machine", cushion]);
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector("[data-verdict=ambiguous]");
+  await page.waitForSelector(".experiment button:has-text('Add logs')");  // where it is said what to record
   await page.click(".measured summary");
   await page.selectOption("select[name=measured-effect]", "tank_pressure");
   await page.fill("input[name=measured-size]", "0");
@@ -229,7 +232,7 @@ test("what a test off the log gave tells rivals apart, and can be forgotten", as
 });
 
 test("the menu of units closes with every step that one goes to", async (t) => {
-  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  const { page, address } = await hidden.visit(t);
   await page.goto(`${address}#step=check`);
   await page.waitForSelector("[data-verdict]");
   for (const step of ["compare", "locate", "add", "confirm", "promote", "check"]) {
@@ -243,7 +246,7 @@ test("the menu of units closes with every step that one goes to", async (t) => {
 });
 
 test("units are those that the reader chose, everywhere, and are remembered", async (t) => {
-  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  const { page, address } = await hidden.visit(t);
   await page.goto(`${address}#step=locate`);
   await page.waitForSelector(".ranking table");
   await page.waitForSelector(".cell");
@@ -321,42 +324,39 @@ test("a port that is taken is not shared", async (t) => {
   assert.match(second.stderr, /port \d+ on 127\.0\.0\.1 cannot be opened/);
 });
 
-for (const [look, options] of [["wide", {}], ["phone", { viewport: { width: 390, height: 844 }, locale: "de-DE" }]])
-  test(`every state is accessible and fits, in both languages, light and dark, and keys reach all of it: ${look}`, async (t) => {
-    const { page, address } = await visit(t, [], options);
-    const german = options.locale === "de-DE";
-    const look = async (state) => {
-      await assertLooksGood(page, state);
-      await assertReachable(page, state);
-    };
-    await page.goto(address);
-    await page.waitForSelector(".drop");
-    assert.equal(await page.getAttribute("html", "lang"), german ? "de" : "en");
-    assert.match(await page.locator("h1").innerText(), german ? /Modell Ihrer Maschine/ : /machine's model/);
-    await look("start");
-    await page.locator(".examples button").first().click();
-    await page.waitForSelector(".pin.sure");
-    await page.waitForSelector("p.verdict.good");  // an example tells its sizes: nobody else knows them
-    await page.waitForSelector(".log-view canvas");
-    await look("mapping, ready");
-    const bore = await page.inputValue("input[name=A_A-bore]");
-    await page.fill("input[name=A_A-bore]", "");
-    await page.waitForSelector("p.verdict.bad");
-    await look("mapping");
-    await page.fill("input[name=A_A-bore]", bore);
-    await page.waitForSelector("p.verdict.good");
-    await page.locator("button.primary").click();
-    await page.waitForSelector("[data-verdict=named]");
-    for (const [step, there] of [["check", ".log-view canvas"], ["compare", ".plot canvas"], ["locate", ".cell"], ["add", "[data-preview]"], ["confirm", ".save"]]) {
-      await page.goto(`${address}#step=${step}`);
-      await page.waitForSelector(there);
-      await look(step);
-    }
-    await page.click(".unit-menu summary");
-    const menu = await page.locator(".unit-menu > div").boundingBox();
-    assert.ok(menu.x >= 0 && menu.x + menu.width <= page.viewportSize().width, `the units stand from ${menu.x} on, ${menu.width} wide`);
-    await assertAccessible(page, "units");
-  });
+test("every state is accessible and fits, wide and on a phone, in both languages, light and dark, and keys reach all of it", async (t) => {
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await page.waitForSelector(".drop");
+  assert.equal(await page.getAttribute("html", "lang"), "en");
+  assert.match(await page.locator("h1").innerText(), /machine's model/);
+  await assertLooksGood(page, "start");
+  await page.locator(".examples button").first().click();
+  await page.waitForSelector(".pin.sure");
+  await page.waitForSelector("p.verdict.good");  // an example tells its sizes: nobody else knows them
+  await page.waitForSelector(".log-view canvas");
+  await assertLooksGood(page, "mapping, ready");
+  const bore = await page.inputValue("input[name=A_A-bore]");
+  await page.fill("input[name=A_A-bore]", "");
+  await page.waitForSelector("p.verdict.bad");
+  await assertLooksGood(page, "mapping");
+  await page.fill("input[name=A_A-bore]", bore);
+  await page.waitForSelector("p.verdict.good");
+  await page.locator("button.primary").click();
+  await page.waitForSelector("[data-verdict=named]");
+  for (const [step, there] of [["check", ".log-view canvas"], ["compare", ".plot canvas"], ["locate", ".cell"], ["add", "[data-preview]"], ["confirm", ".save"]]) {
+    await page.goto(`${address}#step=${step}`);
+    await page.waitForSelector(there);
+    await assertLooksGood(page, step);
+  }
+  await page.click(".centre button:has-text('Add what is missing')");  // nothing was added: the way there
+  await page.waitForSelector("[data-preview]");
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.click(".unit-menu summary");
+  const menu = await page.locator(".unit-menu > div").boundingBox();
+  assert.ok(menu.x >= 0 && menu.x + menu.width <= 390, `the units stand from ${menu.x} on, ${menu.width} wide`);
+  await assertAccessible(page, "units");
+});
 
 test("the page says that the program is gone and finds it again, with what was typed", async (t) => {
   const first = await visit(t, []);

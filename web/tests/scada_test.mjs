@@ -91,7 +91,7 @@ test("every register on the page says what a Modbus client reads, and goes with 
     }
     assert.ok(looked > 80, `${looked} registers`);
   }
-  assert.deepEqual([await client.read(1032, "text, 16 characters"), await valueOf(page, "cushion_2 · name")], ["cushion_2", "cushion_2"], "in the order of the machine file");
+  assert.deepEqual([await client.read(1032, "text, 16 characters"), await valueOf(page, "press/cushion_2 · name")], ["cushion_2", "cushion_2"], "in the order of the machine file");
 
   // what moves while nothing is stored moves on the page
   const beat = Number(await valueOf(page, "heartbeat"));
@@ -109,7 +109,7 @@ test("every register on the page says what a Modbus client reads, and goes with 
   await page.goto(`${address}#view=scada&feed=dds`);
   await page.waitForSelector(".tags tr:has-text('plant/findings')");
   const rows = await rowsOf(page);
-  const health = rows.find((row) => row[1] === "plant/findings" && row[2].startsWith("cushion_2 · health, health"));
+  const health = rows.find((row) => row[1] === "plant/findings" && row[2].startsWith("press/cushion_2 · health, health"));
   assert.deepEqual([health[3], health[4]], ["char", "C"]);
   assert.equal(rows.filter((row) => row[1] === "plant/alarms").length, 23);
   await assertAccessible(page, "scada");
@@ -117,6 +117,6 @@ test("every register on the page says what a Modbus client reads, and goes with 
   const download = page.waitForEvent("download");
   await page.click("button:has-text('CSV')");
   const csv = readFileSync(await (await download).path(), "utf8");
-  assert.match(csv, /^dds,cushion_2,plant\/findings,"health, health",char,,/m);
+  assert.match(csv, /^dds,press\/cushion_2,plant\/findings,"health, health",char,,/m);
   assert.equal(run(["alarms", "--modbus", `127.0.0.1:${port}`], place.path).includes("cushion_2"), true, "the command line reads the same");
 });

@@ -4,7 +4,7 @@
 import { mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
+import { addValveChecks, copyHistory, makeBeginning, makeFleet, makeHistory } from "./history.mjs";
 import { patience } from "./browser_fixture.mjs";
 import { browser, folder, open, run, serve } from "./program.mjs";
 import { makeSpindle } from "./spindle.mjs";
@@ -28,6 +28,7 @@ makeSpindle(place.path);
 makeHistory(place.path);
 addValveChecks(place.path);
 makeBeginning(place.path);
+makeFleet(place.path);
 
 const wide = { viewport: { width: 1500, height: 1000 } }, phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 const chromium = await browser();
@@ -39,6 +40,14 @@ async function takeWatching(page, shoot) {
   await page.waitForSelector(".tile .health");
   await shoot(page, "watch-learning");
   await learning.stop();
+  const fleet = await open(["--db", "fleet.db", "--machine", "press.toml"], place.path);
+  await page.goto(fleet.address);
+  await page.waitForSelector(".tile >> nth=11");
+  await shoot(page, "watch-fleet");
+  await page.goto(`${fleet.address}#view=alarms`);
+  await page.waitForSelector(".alarm-table");
+  await shoot(page, "watch-fleet-alarms");
+  await fleet.stop();
   const watched = await open(["--db", "press.db", "--machine", "press.toml"], place.path);
   for (const [state, view, there] of [
     ["watch-overview", "overview", ".tile tbody tr"], ["watch-trend", "trends&p=K", ".trend-plot canvas"],
@@ -104,10 +113,9 @@ async function takeOwn(page, shoot) {
   await page.waitForSelector(".log-view .plot canvas");
   await shoot(page, "own-wrong");
   await page.fill("input[name=balance-expression-0]", pressure);
-  await page.click(".effects > button");
   await page.fill("input[name=effect-id-0]", "reibung");
   await page.fill("input[name=effect-expression-0]", `sign(ddt(${way}))`);
-  await page.uncheck(".effects input[type=checkbox]");
+  await page.uncheck(".effects input[type=checkbox] >> nth=0");
   await page.waitForSelector(".effects .law .plot canvas");
   await page.waitForSelector("p.verdict.good");
   await shoot(page, "own");
@@ -119,9 +127,10 @@ async function take(name, device, colorScheme, locale) {
   const shoot = async (page, state) => {
     await page.waitForTimeout(250);
     await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: true });
+    if (device.hasTouch) await devTools.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 1 });  // a whole page takes it away
   };
   const context = await chromium.newContext({ ...device, colorScheme, locale });
-  const page = await context.newPage();
+  const page = await context.newPage(), devTools = await context.newCDPSession(page);
   page.setDefaultTimeout(patience);
   if (only !== "service") await takeWatching(page, shoot);
   await takeService(page, shoot, name);

@@ -35,7 +35,7 @@ test("a session that is there before the page listens is drawn", async (t) => {
 test("work that ended before its events are heard is seen", async (t) => {
   const { page, address } = await visitIn(place.path, t, ["leak.csv", "--machine", machine]);
   await page.route("**/api/v1/events", async (route) => {
-    await new Promise((go) => setTimeout(go, 5000));
+    while (!(await fetch(`${address}api/v1/results?kind=compare`)).ok) await new Promise((go) => setTimeout(go, 100));
     await route.continue();
   });
   await page.goto(`${address}#step=compare`);

@@ -110,10 +110,10 @@ std::vector<Tag> DdsTags(const DdsFeedSpec& spec, const std::vector<AxisPicture>
   tags.Begin(spec.topic + "/alarms", "", "newest event", newest.has_value());
   AddEvent(ToWire(newest.value_or(JournalRow())), tags);
   for (const AxisPicture& axis : axes) {
-    tags.Begin(spec.topic + "/findings", axis.name, "health", true);
+    tags.Begin(spec.topic + "/findings", axis.machine, "health", true);
     AddFinding(ToWire(axis, HealthAsAlarm(axis.health)), tags);
     for (const AlarmState& alarm : axis.alarms) {
-      tags.Begin(spec.topic + "/findings", axis.name, alarm.id, true);
+      tags.Begin(spec.topic + "/findings", axis.machine, alarm.id, true);
       AddFinding(ToWire(axis, alarm), tags);
     }
   }

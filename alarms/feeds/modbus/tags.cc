@@ -186,8 +186,8 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
   }
   for (std::size_t a = 0; a < axes.size() && a < kMostAxes; ++a) {
     const int first = kFirstAxis + static_cast<int>(a) * kAxisStride;
-    list.Add(kAxisPlaces, first, axes[a].name, "");
-    list.Add(kHealthPlaces, kFirstHealth + static_cast<int>(a) * kHealthStride, axes[a].name, "");
+    list.Add(kAxisPlaces, first, axes[a].machine, "");
+    list.Add(kHealthPlaces, kFirstHealth + static_cast<int>(a) * kHealthStride, axes[a].machine, "");
     for (std::size_t p = 0; p < axes[a].estimates.size() && p < kMostParameters; ++p) {
       const Estimate& estimate = axes[a].estimates[p].estimate;
       const Place places[] = {
@@ -197,7 +197,7 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
           {kEstimateAge, Cell::kU16, "age", "s", "since the data told something about it"},
           {kEstimateOil, Cell::kFloat, "oil temperature", "degC", "that the value stands for"},
           {kParameterName, Cell::kText16, "name", "", ""}};
-      list.Add(places, first + kFirstParameter + static_cast<int>(p) * kParameterStride, axes[a].name,
+      list.Add(places, first + kFirstParameter + static_cast<int>(p) * kParameterStride, axes[a].machine,
                estimate.parameter, estimate.unit);
     }
   }
@@ -206,8 +206,8 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
       const int number = numbers.NumberOf(axes[a].machine, alarm.id);
       if (number < 1 || number > kMostAlarms) continue;
       const std::string of = fmt::format("alarm {} {}", number, alarm.id);
-      list.Add(kAlarmPlaces, kFirstAlarm + (number - 1) * kAlarmStride, axes[a].name, of, alarm.unit);
-      list.Add(kCausePlaces, kFirstCause + number - 1, axes[a].name, of);
+      list.Add(kAlarmPlaces, kFirstAlarm + (number - 1) * kAlarmStride, axes[a].machine, of, alarm.unit);
+      list.Add(kCausePlaces, kFirstCause + number - 1, axes[a].machine, of);
     }
   list.Add(kRecordPlaces, kFirstRecord, "", "record 0 of the ring");
   return list.Take();

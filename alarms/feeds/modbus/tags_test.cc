@@ -52,15 +52,15 @@ const Tag& Named(const std::vector<Tag>& tags, const std::string& axis, const st
 
 TEST(ModbusTags, StandWhereTheMapHasThemWithTheirValues) {
   const auto tags = TagsOfAPress();
-  const Tag& k = Named(tags, "left", "K, value");
+  const Tag& k = Named(tags, "press/left", "K, value");
   EXPECT_EQ(k.address, std::to_string(register_map::kFirstAxis + register_map::kFirstParameter));
   EXPECT_EQ(k.type, "float32");
   EXPECT_EQ(k.unit, "Pa");
   EXPECT_EQ(k.value, "1.5e+09");
-  EXPECT_EQ(Named(tags, "left", "strokes stored").value, "70000");
-  EXPECT_EQ(Named(tags, "left", "oil temperature").value, "40");
-  EXPECT_EQ(Named(tags, "right", "name").value, "right");
-  EXPECT_EQ(Named(tags, "right", "health").address,
+  EXPECT_EQ(Named(tags, "press/left", "strokes stored").value, "70000");
+  EXPECT_EQ(Named(tags, "press/left", "oil temperature").value, "40");
+  EXPECT_EQ(Named(tags, "press/right", "name").value, "right");
+  EXPECT_EQ(Named(tags, "press/right", "health").address,
             std::to_string(register_map::kFirstAxis + register_map::kAxisStride));
   EXPECT_EQ(Named(tags, "", "alarms not acknowledged").value, "1");
   EXPECT_EQ(Named(tags, "", "heartbeat").value, "") << "nothing is served";
@@ -94,10 +94,10 @@ TEST(ModbusTags, EveryTagStandsInTheRegistersThatARunningFeedTellsOf) {
 
 TEST(ModbusTags, AnAlarmHasTheNumberOfItsFirstAppearance) {
   const auto tags = TagsOfAPress();
-  const Tag& state = Named(tags, "left", "alarm 2 internal_leakage, state");
+  const Tag& state = Named(tags, "press/left", "alarm 2 internal_leakage, state");
   EXPECT_EQ(state.address, std::to_string(register_map::kFirstAlarm + register_map::kAlarmStride + 1));
   EXPECT_EQ(state.value, "1");
-  EXPECT_EQ(Named(tags, "left", "alarm 2 internal_leakage, value").unit, "m3/(s Pa)");
+  EXPECT_EQ(Named(tags, "press/left", "alarm 2 internal_leakage, value").unit, "m3/(s Pa)");
 }
 
 TEST(ModbusTags, NamesSpeakOfEpisodesWhereTheMachineHasThemAndNoAddressMoves) {
@@ -107,8 +107,8 @@ TEST(ModbusTags, NamesSpeakOfEpisodesWhereTheMachineHasThemAndNoAddressMoves) {
     EXPECT_EQ(episodes[k].address, strokes[k].address);
     EXPECT_EQ((episodes[k].name + episodes[k].meaning).find("stroke"), std::string::npos) << episodes[k].name;
   }
-  EXPECT_EQ(Named(episodes, "left", "episodes stored").address,
-            Named(strokes, "left", "strokes stored").address);
+  EXPECT_EQ(Named(episodes, "press/left", "episodes stored").address,
+            Named(strokes, "press/left", "strokes stored").address);
 }
 
 TEST(ModbusTags, StandInOrderAndNoRegisterIsNamedTwice) {

@@ -13,7 +13,7 @@ std::vector<Tag> SparkplugTags(const SparkplugFeedSpec& spec, const std::string&
   for (const AxisPicture& axis : axes)
     for (Tag& tag : sparkplug::TagsOf(sparkplug::DeviceBirth(axis, wall))) {
       tag.feed = SparkplugFeedSpec::kName;
-      tag.axis = axis.name;
+      tag.axis = axis.machine;
       tag.address = fmt::format("spBv1.0/{}/DDATA/{}/{}", sparkplug::TopicPart(spec.group), node,
                                 sparkplug::TopicPart(axis.name));
       all.push_back(std::move(tag));

@@ -38,8 +38,15 @@ function ExpressionField({ name, label, expression, write, checked, over, plotte
   );
 }
 
-/** `write`: something is being written; `set`: what was written, once no key is pressed. */
-interface Props { proposal: Proposal | null; picture: LogPicture | null; write: () => void; set: (written: Written) => void }
+/** Without lines that nothing was written into yet. */
+const filled = ({ balance: { output, terms }, effects }: Written): Written =>
+  ({ balance: { output, terms: terms.filter((term) => term.expression.trim() !== "") }, effects: effects.filter((effect) => effect.expression.trim() !== "") });
+/** Whether it can be looked at. */
+const isWhole = ({ balance: { output, terms }, effects }: Written) =>
+  output.trim() !== "" && terms.length > 0 && terms.every((term) => term.name !== "") && effects.every((effect) => effect.id !== "");
+
+/** `write`: something is being written, which is whole or not; `set`: what was written, once no key is pressed. */
+interface Props { proposal: Proposal | null; picture: LogPicture | null; write: (whole: boolean) => void; set: (written: Written) => void }
 
 /** Balance and effects of a machine of one's own; without a proposal nothing that is written can be looked at yet. */
 export function BalanceEditor({ proposal, picture, write, set }: Props) {
@@ -49,12 +56,12 @@ export function BalanceEditor({ proposal, picture, write, set }: Props) {
   const [text, setText] = useTyped(ownTyped, JSON.stringify(first));
   const written = JSON.parse(text) as Written, { output, terms } = written.balance, { effects } = written;
   const touched = useRef(text !== JSON.stringify(first));
-  const whole = output.trim() !== "" && terms.length > 0 && terms.every((term) => term.name !== "" && term.expression.trim() !== "") && effects.every((effect) => effect.id !== "" && effect.expression.trim() !== "");
   useEffect(() => {
     if (!touched.current || !proposal) return;
-    write();
+    const lines = filled(written), whole = isWhole(lines);
+    write(whole);
     if (!whole) return;
-    const timer = setTimeout(() => set(written), pause);
+    const timer = setTimeout(() => set(lines), pause);
     return () => clearTimeout(timer);
   }, [text]);
   const change = (next: Partial<Written>) => { touched.current = true; setText(JSON.stringify({ ...written, ...next })); };

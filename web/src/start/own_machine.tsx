@@ -48,7 +48,7 @@ export function OwnMachine({ first }: { first: ProposalWork | null }) {
         </div>
         <div>
           {(!first || own) && <BalanceEditor key={own ? "log" : "none"} proposal={own ? proposal : null} picture={first?.picture ?? null}
-            write={() => first?.write()} set={(written) => void first!.propose({ model: proposal!.model, ...written })} />}
+            write={(whole) => first?.write(whole)} set={(written) => void first!.propose({ model: proposal!.model, ...written })} />}
         </div>
       </div>
       {first && own && <>

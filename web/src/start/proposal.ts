@@ -33,12 +33,12 @@ export function useProposal() {
   const asked = useRef<ProposalRequest>(session?.mapping ?? {});
   const chosenUnits = useRef<Record<string, string>>(Object.fromEntries((asked.current.columns ?? []).map(({ signal, column, unit }) => [placeOf(signal, column), unit])));
   const latest = useRef(0), drawn = useRef(false);
-  const [answered, setAnswered] = useState(0), [writing, setWriting] = useState(false);  // what is not asked about yet
+  const [answered, setAnswered] = useState(0), [writing, setWriting] = useState<"no" | "whole" | "in part">("no");  // what is not asked about yet
 
   /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. False: it failed. */
   const propose = useCallback(async (change: ProposalRequest, shown: Partial<Proposal> = {}): Promise<boolean> => {
     asked.current = { ...asked.current, ...change };
-    setWriting(false);
+    setWriting("no");
     setProposal((before) => before && { ...before, ...shown });
     const turn = ++latest.current, keys = Object.keys(change);
     if (keys.length === 0 || keys.some((key) => !writtenOnly.includes(key))) drawn.current = false;  // also if a later answer overtakes this one
@@ -96,6 +96,6 @@ export function useProposal() {
     location.hash = "step=check";
     await refresh();
   };
-  return { proposal, awaited, picture, problem, propose, put, write: () => setWriting(true), setGate, takeKind, keepKind, setGeometry, accept,
-    chosen: Boolean(asked.current.model), settled: answered === latest.current && !writing };
+  return { proposal, awaited, picture, problem, propose, put, write: (whole: boolean) => setWriting(whole ? "whole" : "in part"), setGate, takeKind, keepKind, setGeometry, accept,
+    chosen: Boolean(asked.current.model), settled: answered === latest.current && writing === "no", inPart: writing === "in part" };
 }

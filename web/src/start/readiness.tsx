@@ -17,13 +17,13 @@ export function Readiness({ first }: { first: ProposalWork }) {
   const odd = proposal.geometry.find((known) => isOdd(known, known.value));
   return (
     <>
-      <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
+      {first.inPart ? <p class="verdict bad" role="status">{say("ownInPart")}</p> : <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
         {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
           : !proposal.problem ? say("mapReady")
           : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
           : proposal.balance?.output === "" ? say("balanceNeeded")
           : <>{say("mapNotReady")}<Told of={{ error: inShort(proposal.problem.error), german: proposal.problem.german && { error: inShort(proposal.problem.german.error ?? "") } }} what="error" /></>}
-      </p>
+      </p>}
       <button class="primary" disabled={proposal.problem !== null || odd !== undefined || !first.settled} onClick={() => void first.accept()}>{say("mapGo")}</button>
     </>
   );

@@ -53,6 +53,7 @@ const mostNamed = 3;  // alarms of an axis that its tile names
 
 /** What the alarms of a machine have found, the gravest first. */
 function Standing({ machine }: { machine: string }) {
+  const say = useWords();
   const [, setUrl] = useUrl();
   const { alarms } = useWatch();
   const standing = alarms.filter((alarm) => alarm.machine === machine && !alarm.at_rest)
@@ -60,7 +61,7 @@ function Standing({ machine }: { machine: string }) {
   if (standing.length === 0) return null;
   return (
     <ul class="standing">{standing.map((alarm) => (
-      <li key={alarm.alarm}><button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine}/${alarm.alarm}` })}><Told of={alarm} what="finding" /></button></li>
+      <li key={alarm.alarm}><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}` as "severity_alarm")}</span> <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine}/${alarm.alarm}` })}><Told of={alarm} what="finding" /></button></li>
     ))}</ul>
   );
 }
@@ -104,7 +105,7 @@ function Tile({ machine, alone }: { machine: WatchedMachine; alone: boolean }) {
       <p class="facts-line">
         {say("strokesCount", { count: grouped(machine.strokes) })}
         {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
-        {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
+        {oil !== null && <> · {say("oil")}{"\u00a0"}{amount(oil, "°C")}</>}
         {machine.effects.length > 0 && <> · <span>+ {machine.effects.map((effect) => titleOf(effect, language)).join(" + ")}</span></>}
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}

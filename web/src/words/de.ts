@@ -83,6 +83,7 @@ export const de: Words = {
   balanceTitle: "Bilanz der Maschine",
   balanceText: "Was gleich was ist: Der Ausgang ist die Summe der Terme, jeder ein Parameter, der aus den Daten gefunden wird, mal einem Ausdruck über die Signale in SI:",
   balanceOutput: "Ausgang",
+  ownInPart: "Es fehlt noch: der Ausgang, ein Ausdruck oder ein Name in dem, was Sie schreiben.",
   balanceNeeded: "Noch fehlt: die Bilanz, ein Ausgang und seine Terme.",
   balanceMore: "Noch ein Term",
   balanceDrop: "Herausnehmen",

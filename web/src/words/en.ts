@@ -82,6 +82,7 @@ export const en = {
   balanceTitle: "Balance of the machine",
   balanceText: "What equals what: the output is the sum of the terms, each a parameter that is found from the data times an expression over the signals in SI:",
   balanceOutput: "Output",
+  ownInPart: "Still missing: the output, an expression or a name in what you write.",
   balanceNeeded: "Still missing: the balance, an output and its terms.",
   balanceMore: "One more term",
   balanceDrop: "Take out",

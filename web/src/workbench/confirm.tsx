@@ -26,7 +26,7 @@ export function Confirm({ compare, session, query, setUrl }: Props) {
       {before && current && before.rms_holdout !== null && current.rms_holdout !== null
         ? <p class={current.rms_holdout < before.rms_holdout ? "verdict good" : "verdict bad"} data-error={current.rms_holdout} role="status">
             {say(current.rms_holdout < before.rms_holdout ? "confirmText" : "confirmRose", { before: amount(before.rms_holdout, current.unit ?? ""), after: amount(current.rms_holdout, current.unit ?? ""), noise: amount(current.noise_floor, current.unit ?? "") })}</p>
-        : <p class="empty">{say("confirmNothing")}</p>}
+        : <p class="empty">{say("confirmNothing")} <button onClick={() => setUrl({ step: "add" })}>{say("addTitle")}</button></p>}
       {left && right && session.versions.length > 1 && <>
         <h2>{say("confirmTwo")}</h2>
         <div class="pair">

@@ -4,6 +4,7 @@ import { Told } from "../told";
 import { dateText } from "../watch/shown";
 import { nameOf, short, shownNumber, unitName, unitOf, withUnit, type Units } from "../units";
 import { useWords } from "../words";
+import { LogButtons } from "./logs";
 import { Scroll } from "./parts";
 
 /** What to record next so that the rivals can be told apart, as a table to print. */
@@ -19,6 +20,7 @@ export function Experiment({ explain, units }: { explain: ExplainResult; units: 
         <Scroll label={say("experimentTitle")}><PlanTable plan={explain.experiment_plan} units={units} /></Scroll>
         <button class="quiet no-print" onClick={() => print()}>{say("print")}</button>
       </>}
+      {session && !session.strokes && <LogButtons session={session} />}
     </section>
   );
 }
