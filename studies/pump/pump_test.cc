@@ -87,9 +87,8 @@ TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSe
   ASSERT_GE(together.parameters.size(), 2u);
   EXPECT_EQ(together.parameters[0], "K_v");
   EXPECT_EQ(together.parameters[1], "K_q");
-  EXPECT_TRUE(std::ranges::any_of(together.sensors, [](const MissingSensor& sensor) {
-    return sensor.signal == "control_position";
-  }));
+  EXPECT_TRUE(std::ranges::any_of(
+      together.sensors, [](const MissingSensor& sensor) { return sensor.signal == "control_position"; }));
 }
 
 /// Of pumps whose sensors halve errors, not more, it was not said before.
