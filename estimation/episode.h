@@ -19,6 +19,9 @@ struct Episode {
   RowMatrix signal;            ///< row x signal of the machine, SI; an output that is no good reading is NaN
   /// Above 1, an even number: outputs have a reading at each so many rows, their mean since the reading before.
   int mean_rows = 1;
+  /// Row x signal of the machine, SI: what of an output repeats with a shaft once to three times in a revolution, so that lines
+  /// between the rows hold it. Empty: nothing is known of it.
+  RowMatrix ripple = {};
 
   int rows() const { return static_cast<int>(time.size()); }
   /// At a row, or where readings are means the first from there on; NaN if there is none.
@@ -27,6 +30,15 @@ struct Episode {
     for (; row < end; ++row)
       if (std::isfinite(signal(row, s))) return signal(row, s);
     return std::numeric_limits<double>::quiet_NaN();
+  }
+  Episode Part(std::int64_t first, std::int64_t count) const {
+    Episode part{log,
+                 first_row + first,
+                 {time.begin() + first, time.begin() + first + count},
+                 signal.middleRows(first, count),
+                 mean_rows};
+    if (ripple.size() > 0) part.ripple = ripple.middleRows(first, count);
+    return part;
   }
 };
 

@@ -22,12 +22,15 @@ std::vector<const MachineKind*> BuiltInKinds() {
   return kinds;
 }
 
-/// A machine file with all that the kind may know (or requires only).
+/// A machine file with all that the kind may know, its shaft taken for one whose ripple is taken out (or requires only).
 std::string FileOf(const MachineKind& kind, bool all) {
   std::string text = fmt::format("[machine]\nmodel = \"{}\"\n[signals]\n", kind.id);
   for (const MachineInput& input : kind.signals)
     if (all || input.required)
       text += fmt::format("{0} = {{ column = \"{0}\", unit = \"{1}\" }}\n", input.name, input.si);
+  for (const MachineInput& input : kind.signals)
+    if (all && input.required && std::string_view(input.si) == "rad/s")
+      text += fmt::format("[episodes]\nshaft = \"{}\"\n", input.name);
   text += "[geometry]\n";
   for (const MachineInput& input : kind.geometry)
     if (all || input.required) {

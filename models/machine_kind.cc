@@ -45,6 +45,8 @@ StatesSpec BuiltInStates(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
   if (kind.states == nullptr) return {};
   StatesSpec spec = kind.states(machine);
+  spec.episode_seconds = machine.states.episode_seconds;
+  spec.shaft = machine.states.shaft;
   std::erase_if(spec.outputs, [&](const OutputSpec& o) { return machine.SignalIndex(o.signal) < 0; });
   return spec;
 }

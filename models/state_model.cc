@@ -121,7 +121,11 @@ class Builder {
       for (const TermSpec& term : effect.adds) read(term.expression);
     for (std::size_t s = 0; s < machine().signals.size(); ++s)
       if (names.contains(machine().signals[s].name)) model_.inputs.push_back(static_cast<int>(s));
-    for (const OutputSpec& o : spec_.outputs) model_.outputs.push_back(machine().SignalIndex(o.signal));
+    for (const OutputSpec& o : spec_.outputs) {
+      model_.outputs.push_back(machine().SignalIndex(o.signal));
+      if (!spec_.shaft.empty() && names.contains(RippleName(o.signal)))
+        model_.ripples.push_back(model_.outputs.back());
+    }
   }
 
   /// Calls `take` with each text of the model and of its effects, and the effect's id.
@@ -172,6 +176,8 @@ class Builder {
     for (const int s : model_.inputs) numbers_[machine().signals[static_cast<std::size_t>(s)].name] = next++;
     for (std::size_t d = 0; d < model_.delays.size(); ++d)
       for (const char* what : {"value", "rate", "now"}) numbers_[DelayName(d, what)] = next++;
+    for (const int s : model_.ripples)
+      numbers_.emplace(RippleName(machine().signals[static_cast<std::size_t>(s)].name), next++);
     first_fixed_ = next;
   }
   /// No name of the file, which holds no space.

@@ -41,13 +41,14 @@ struct DelayedInput {
 
 /// The model of a machine that is described by states, with some of its effects:
 ///   dx/dt = f(x, u, p), y = g(x, u, p), min(p) <= x <= max(p).
-/// Inputs of the programs: states, inputs u, delayed inputs, parameters (which are fixed during a run).
+/// Inputs of the programs: states, inputs u, delayed inputs, ripples of outputs, parameters (which are fixed during a run).
 struct StateModel {
   Machine machine;
   std::vector<std::string> effects;  ///< ids, those that are part of the model
   std::vector<StateParameter> parameters;
   std::vector<int> inputs;  ///< machine signal of each u
   std::vector<DelayedInput> delays;
+  std::vector<int> ripples;  ///< machine signals whose ripple with the shaft drives the states (RippleName)
   std::vector<int> outputs;  ///< machine signal of each y
   Equations dynamics, output;
   Equations limits;   ///< min of each state, then max of each; of parameters alone
@@ -62,8 +63,8 @@ struct StateModel {
   int states() const { return dynamics.rows; }
   /// Inputs of the programs between states and parameters.
   int driving() const {
-    return static_cast<int>(inputs.size() +
-                            delays.size() * static_cast<std::size_t>(DelayedInput::kRegisters));
+    return static_cast<int>(
+        inputs.size() + delays.size() * static_cast<std::size_t>(DelayedInput::kRegisters) + ripples.size());
   }
   int parameter_count() const { return static_cast<int>(parameters.size()); }
 };

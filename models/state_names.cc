@@ -22,9 +22,14 @@ void AddDelayTimes(const std::vector<ParameterSpec>& parameters, ExpressionNames
 
 }  // namespace
 
+std::string RippleName(const std::string& output) { return output + "_ripple"; }
+
 ExpressionNames StateNamesOf(const Machine& machine, const std::vector<ParameterSpec>& of_effect) {
   ExpressionNames names = ExpressionNamesOf(machine);
-  for (const OutputSpec& output : machine.states.outputs) names.units.erase(output.signal);
+  for (const OutputSpec& output : machine.states.outputs) {
+    const auto unit = names.units.extract(output.signal);
+    if (!machine.states.shaft.empty() && unit) names.units.emplace(RippleName(output.signal), unit.mapped());
+  }
   for (const SignalSpec& signal : machine.signals)
     if (OutputIndex(machine, signal.name) < 0) names.delayed.insert(signal.name);
   for (const StateSpec& state : machine.states.states) AddName(state.name, state.unit, names);

@@ -4,8 +4,10 @@
 
 namespace hydroscope {
 
-/// What equations of states and outputs may name: states, parameters, [geometry], pi, and the signals that are no
-/// outputs (inputs). `of_effect`: parameters of an effect, beside them.
+/// What of an output repeats with the shaft, as equations name it.
+std::string RippleName(const std::string& output);
+/// What equations of states and outputs may name: states, parameters, [geometry], pi, the signals that are no
+/// outputs (inputs), and with a shaft the ripples of outputs. `of_effect`: parameters of an effect, beside them.
 ExpressionNames StateNamesOf(const Machine& machine, const std::vector<ParameterSpec>& of_effect = {});
 /// What limits may name: parameters and [geometry].
 ExpressionNames LimitNamesOf(const Machine& machine);

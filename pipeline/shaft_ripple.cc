@@ -14,6 +14,7 @@ using Complex = std::complex<double>;
 constexpr int kOrders = ShaftRipple::kOrders;
 constexpr int kSlowOrders = 3;       // where steps of the signal itself show
 constexpr int kFewRevolutions = 20;  // that a shape is not taken from
+constexpr double kLargestSize = 4;   // of the usual
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Mean and orders 1 ... kOrders of one revolution.
@@ -100,7 +101,6 @@ std::array<Complex, kOrders> ShapeOf(const std::vector<Revolution>& revolutions,
 std::vector<double> SizesOf(const std::vector<Revolution>& revolutions,
                             const std::array<Complex, kOrders>& shape) {
   constexpr double kRepeats = 4;  // energy of the shape over what scatters about it
-  constexpr double kLargest = 4;  // of the usual
   double energy = 0, scatter = 0;
   for (std::size_t k = kSlowOrders; k < shape.size(); ++k) energy += std::norm(shape[k]);
   if (energy == 0) return {};
@@ -113,7 +113,7 @@ std::vector<double> SizesOf(const std::vector<Revolution>& revolutions,
     double product = 0, left = 0;
     for (std::size_t k = kSlowOrders; k < shape.size(); ++k)
       product += std::real(std::conj(shape[k]) * revolution.order[k]);
-    sizes.push_back(std::clamp(product / energy, 0.0, kLargest));
+    sizes.push_back(std::clamp(product / energy, 0.0, kLargestSize));
     for (std::size_t k = kSlowOrders; k < shape.size(); ++k)
       left += std::norm(revolution.order[k] - sizes.back() * shape[k]);
     scatter += left / static_cast<double>(revolutions.size());
@@ -144,21 +144,65 @@ ShaftRipple::ShaftRipple(const std::vector<double>& turns, const std::vector<dou
     shape_ = ShapeOf(revolutions, sizes_);
     sizes_ = WithoutOutliers(SizesOf(revolutions, shape_));
   }
+  if (!empty()) sizes_ = SizesWithin(turns, readings);
+}
+
+double ShaftRipple::ShapeAt(double turn, int slowest) const {
+  const Complex step = std::polar(1.0, kTurn * turn);
+  Complex turned = 1, sum = 0;
+  for (int k = 0; k < kOrders; ++k) {
+    turned *= step;
+    if (k >= slowest) sum += shape_[static_cast<std::size_t>(k)] * turned;
+  }
+  return 2 * sum.real();
+}
+
+/// Weighted by a bell over a revolution (Hann 1903): what moves slowly under it leaves hardly anything in the faster orders.
+std::vector<double> ShaftRipple::SizesWithin(const std::vector<double>& turns,
+                                             const std::vector<double>& readings) const {
+  std::vector<double> shape;
+  for (const double turn : turns) shape.push_back(ShapeAt(turn, kSlowOrders));
+  std::vector<double> sizes;
+  std::size_t first = 0;
+  for (double middle = 0.5; middle <= turns.back() - 0.5; middle += 1.0 / kSizesPerTurn) {
+    while (turns[first] < middle - 0.5) ++first;
+    double weights = 0, mean = 0, of_shape = 0, product = 0, energy = 0;
+    for (std::size_t i = first; i < turns.size() && turns[i] < middle + 0.5; ++i) {
+      const double weight = 1 + std::cos(kTurn * (turns[i] - middle));
+      weights += weight;
+      mean += weight * readings[i];
+      of_shape += weight * shape[i];
+      product += weight * shape[i] * readings[i];
+      energy += weight * shape[i] * shape[i];
+    }
+    const double size = (product - mean * of_shape / weights) / (energy - of_shape * of_shape / weights);
+    sizes.push_back(std::isfinite(size) ? std::clamp(size, 0.0, kLargestSize)
+                                        : (sizes.empty() ? 1.0 : sizes.back()));
+  }
+  return sizes;
 }
 
 double ShaftRipple::SizeAt(double turn) const {
-  const double since = std::clamp(turn - 0.5, 0.0, static_cast<double>(sizes_.size()) - 1.001);
+  const double since =
+      std::clamp(kSizesPerTurn * (turn - 0.5), 0.0, static_cast<double>(sizes_.size()) - 1.001);
   const auto before = static_cast<std::size_t>(since);
   const double share = since - static_cast<double>(before);
   return (1 - share) * sizes_[before] + share * sizes_[before + 1];
 }
 
+double ShaftRipple::SlowAt(double turn, int points) const {
+  if (empty()) return 0;
+  double sum = 0;
+  for (int k = 0; k < kSlowOrders; ++k) {
+    const double angle = kTurn * (k + 1), half = 0.5 * angle / points, loss = std::sin(half) / half;
+    sum += (shape_[static_cast<std::size_t>(k)] * std::polar(1.0, angle * turn)).real() / (loss * loss);
+  }
+  return 2 * SizeAt(turn) * sum;
+}
+
 double ShaftRipple::At(double turn) const {
   if (empty()) return 0;
-  const Complex step = std::polar(1.0, kTurn * turn);
-  Complex turned = 1, sum = 0;
-  for (const Complex& order : shape_) sum += order * (turned *= step);
-  return 2 * SizeAt(turn) * sum.real();
+  return SizeAt(turn) * ShapeAt(turn, 0);
 }
 
 }  // namespace hydroscope

@@ -7,8 +7,9 @@
 namespace hydroscope {
 
 /// What of a signal repeats with a shaft. Its shape over the angle is the median of all revolutions, so that steps of the signal
-/// itself do not bend it; its size is found anew in each revolution from the faster orders, where such steps hardly show (order
-/// tracking, Fyfe and Munck, Mechanical Systems and Signal Processing 11, 1997). Nothing where too few revolutions repeat.
+/// itself do not bend it; its size is found anew four times in each revolution from the faster orders, where such steps hardly
+/// show (order tracking, Fyfe and Munck, Mechanical Systems and Signal Processing 11, 1997). Nothing where too few revolutions
+/// repeat.
 class ShaftRipple {
  public:
   static constexpr int kOrders = 12;  ///< of the shaft, beyond the pistons of any usual pump
@@ -18,12 +19,19 @@ class ShaftRipple {
 
   bool empty() const { return sizes_.empty(); }
   double At(double turn) const;
+  /// The orders 1 to 3, so that lines between `points` values per revolution hold all of them.
+  double SlowAt(double turn, int points) const;
 
  private:
+  static constexpr int kSizesPerTurn = 4;
+  /// Orders beyond the first `slowest`, at size 1.
+  double ShapeAt(double turn, int slowest) const;
   double SizeAt(double turn) const;
+  std::vector<double> SizesWithin(const std::vector<double>& turns,
+                                  const std::vector<double>& readings) const;
 
   std::array<std::complex<double>, kOrders> shape_{};
-  std::vector<double> sizes_;  ///< of each revolution, about 1
+  std::vector<double> sizes_;  ///< about 1, the first in the middle of the first revolution
 };
 
 }  // namespace hydroscope

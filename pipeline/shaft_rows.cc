@@ -113,6 +113,8 @@ void TakeMeans(const Episode& episode, int signal, const std::vector<double>& an
                const std::vector<Place>& places, Episode& out) {
   out.signal.col(signal).setConstant(std::numeric_limits<double>::quiet_NaN());
   const ShaftRipple ripple = RippleOf(episode, signal, angle);
+  for (Eigen::Index k = 0; k < out.rows(); ++k)
+    out.ripple(k, signal) = ripple.SlowAt(static_cast<double>(k) / kRowsPerRevolution, kRowsPerRevolution);
   const auto reading = [&](int row) {
     return episode.signal(row, signal) - ripple.At(angle[row] / kRowsPerRevolution);
   };
@@ -146,6 +148,7 @@ Episode AtShaftAngles(const Episode& episode, int speed, const std::vector<int>&
   if (places.size() < 2) return out;
   for (const Place& p : places) out.time.push_back(p.time);
   out.signal.resize(out.rows(), episode.signal.cols());
+  out.ripple = RowMatrix::Zero(out.rows(), episode.signal.cols());
   for (int s = 0; s < episode.signal.cols(); ++s) {
     if (Contains(outputs, s))
       TakeMeans(episode, s, angle, places, out);

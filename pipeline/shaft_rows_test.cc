@@ -106,6 +106,42 @@ TEST(ShaftRipple, OfHalfABarIsFoundOn200BarThatStep) {
   EXPECT_LT(std::sqrt(energy / rows), 0.03) << "bar, of a ripple of 0.36 rms";
 }
 
+/// A ripple whose size goes from 1 to 2 and back within less than two revolutions, on readings of 200 that step with it.
+TEST(ShaftRipple, IsFollowedWhileItsSizeChangesWithinARevolution) {
+  const auto size = [](double turn) {
+    const double beyond = std::fmod(turn, 30) - 20.3;
+    return beyond < 0 ? 1 : 1 + std::exp(-beyond) * std::min(1.0, 5 * beyond);
+  };
+  const auto shape = [](double turn) {
+    return std::sin(9 * 2 * std::numbers::pi * turn) + 0.4 * std::cos(2 * std::numbers::pi * turn);
+  };
+  std::vector<double> turns, readings;
+  for (int row = 0; row < 24'000; ++row) {
+    turns.push_back(400 * kPeriod * row / (2 * std::numbers::pi));
+    readings.push_back(200 + size(turns.back()) * (3 + shape(turns.back())));
+  }
+  const ShaftRipple ripple(turns, readings);
+  double energy = 0, rows = 0;
+  for (std::size_t row = 1000; row + 1000 < turns.size(); ++row) {
+    energy += std::pow(ripple.At(turns[row]) - size(turns[row]) * shape(turns[row]), 2);
+    rows += 1;
+  }
+  EXPECT_LT(std::sqrt(energy / rows), 0.025) << "of a ripple of 0.9 rms";
+}
+
+TEST(ShaftRows, KeepTheSlowRippleOfOutputsAsLinesBetweenRows) {
+  const Episode taken = Taken(Rippled(1));
+  ASSERT_EQ(taken.ripple.rows(), taken.rows());
+  EXPECT_EQ(taken.ripple.col(0).norm(), 0) << "of an input nothing is taken out";
+  double product = 0, energy = 0;
+  for (int row = 0; row < taken.rows(); ++row) {
+    const double order = std::cos(2 * std::numbers::pi * row / kRowsPerRevolution);
+    product += taken.ripple(row, 2) * order;
+    energy += order * order;
+  }
+  EXPECT_NEAR(product / energy, 0.2 / 0.95, 0.005) << "lines between eight rows lose 5 % of it";
+}
+
 TEST(ShaftRows, KeepsInputsThatMoveEvenly) {
   const Episode taken = Taken(Rippled(1));
   for (int row = 0; row < taken.rows(); ++row)

@@ -21,14 +21,6 @@ bool ReadsThePast(const Machine& machine) {
                      [&](const Effect& effect) { return delays({effect.id}); });
 }
 
-Episode PieceOf(const Episode& episode, std::int64_t first, std::int64_t count) {
-  return {episode.log,
-          episode.first_row + first,
-          {episode.time.begin() + first, episode.time.begin() + first + count},
-          episode.signal.middleRows(first, count),
-          episode.mean_rows};
-}
-
 }  // namespace
 
 std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) {
@@ -44,7 +36,7 @@ std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) 
     cut = true;
     for (std::int64_t first = 0; first + 1 < rows; first += length) {
       const bool last = rows - 1 - first < 2 * length;
-      runs.push_back(PieceOf(episode, first, last ? rows - first : length + 1));
+      runs.push_back(episode.Part(first, last ? rows - first : length + 1));
       if (last) break;
     }
   }
@@ -84,7 +76,7 @@ std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episod
     for (std::int64_t first = 0; first < episode.rows(); first += step) {
       const std::int64_t count = std::min<std::int64_t>(piece_rows, episode.rows() - first);
       if (count < piece_rows && first > 0) break;
-      pieces.push_back(PieceOf(episode, first, count));
+      pieces.push_back(episode.Part(first, count));
     }
   }
   return pieces;

@@ -19,8 +19,7 @@ std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows) {
   for (const Episode& e : episodes) {
     if (rows <= 1) break;
     const int take = std::min(rows, e.rows());
-    out.push_back(
-        {e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take), e.mean_rows});
+    out.push_back(e.Part(0, take));
     rows -= take;
   }
   return out;

@@ -55,6 +55,7 @@ void StateSimulator::TakeInputs(const Episode& episode, int row) {
   for (std::size_t i = 0; i < model_->inputs.size(); ++i)
     Take(CourseOf(episode, row, model_->inputs[i], hold_), i);
   if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
+  TakeRipples(episode, row, 0, 1);
 }
 
 /// All inputs from one share of a row's time to another between which none of them jumps or bends (Breaks).
@@ -68,6 +69,22 @@ void StateSimulator::TakeParts(const Episode& episode, int row, double from, dou
              : PartOf(episode, model_->inputs[i], hold_, begin + from * period, begin + to * period).course,
          i);
   if (!model_->delays.empty()) TakeDelayed(episode, row, from, to);
+  TakeRipples(episode, row, from, to);
+}
+
+/// Lines between the rows, whatever other inputs do; where inputs are held, their mean.
+void StateSimulator::TakeRipples(const Episode& episode, int row, double from, double to) {
+  std::size_t place = static_cast<std::size_t>(inputs_) - model_->ripples.size();
+  for (const int signal : model_->ripples) {
+    RowCourse course;
+    if (episode.ripple.size() > 0) {
+      course.begin = episode.ripple(row, signal);
+      course.end = episode.ripple(std::min<Eigen::Index>(row + 1, episode.rows() - 1), signal);
+    }
+    course = course.Part(from, to);
+    if (hold_ == InputHold::kZero) course.begin = course.end = 0.5 * (course.begin + course.end);
+    Take(course, place++);
+  }
 }
 
 void StateSimulator::Take(const RowCourse& course, std::size_t place) {

@@ -101,6 +101,7 @@ class StateSimulator {
   void InputAt(double fraction);
   void TakeInputs(const Episode& episode, int row);
   void TakeParts(const Episode& episode, int row, double from, double to);
+  void TakeRipples(const Episode& episode, int row, double from, double to);
   void Take(const RowCourse& course, std::size_t place);
   bool Row(const Episode& episode, int row);
   void Breaks(const Episode& episode, int row);

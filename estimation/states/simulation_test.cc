@@ -91,6 +91,27 @@ TEST(StateSimulation, AReadingThatIsAMeanIsThatOfTheModelAndItsDerivatives) {
   }
 }
 
+TEST(StateSimulation, ARippleOfAnOutputDrivesAStateAlongLinesBetweenRows) {
+  const Machine machine = StatesFrom(
+      "[signals]\nn = { column = \"n\", unit = \"rad/s\" }\ny = { column = \"y\", unit = \"V\" }\n"
+      "[episodes]\nshaft = \"n\"\n[states]\nx = { ddt = \"k*y_ripple\", initial = 0, unit = \"V\" }\n"
+      "[outputs]\ny = \"x\"\n[parameters]\nk = { start = 2, min = 0.1, max = 10, unit = \"1/s\" }\n");
+  Episode episode = Rows(4, 0.5, 3);
+  RowMatrix slopes = RowMatrix::Zero(1, 1);
+  const Eigen::VectorXd k = Eigen::VectorXd::Constant(1, 2);
+  EXPECT_EQ(RunOf(machine, episode, k, 0, &slopes).outputs(3, 0), 0) << "none is known";
+  episode.ripple = RowMatrix::Zero(4, 2);
+  episode.ripple.col(1) << 0, 1, 1, 0;
+  const StateRun run = RunOf(machine, episode, k, 0, &slopes);
+  for (const auto& [row, integral] : {std::pair(1, 0.25), std::pair(2, 0.75), std::pair(3, 1.0)}) {
+    EXPECT_NEAR(run.outputs(row, 0), 2 * integral, 1e-6);
+    EXPECT_NEAR(run.slopes(row, 0), integral, 1e-6);
+  }
+  const Episode part = episode.Part(1, 3);
+  EXPECT_EQ(part.rows(), 3);
+  EXPECT_EQ(part.ripple(1, 1), 1);
+}
+
 TEST(StateSimulation, AStiffModelIsLeftToTheImplicitMethodWithTheSameDerivatives) {
   const Episode episode = Rows(20, 0.05, 3);
   RowMatrix slopes(1, 2);

@@ -66,7 +66,7 @@ constexpr std::array<MachineInput, 15> kPumpGeometry = {{
             1e-2),
 }};
 
-constexpr std::array<MachineParameter, 7> kPumpParameters = {{
+constexpr std::array<MachineParameter, 8> kPumpParameters = {{
     Identified("K_v", "N/m", {"stiffness of the compensator spring", "Steifigkeit der Reglerfeder"},
                {"The compensator spring; a weak or cracked one is softer.",
                 "Die Feder des Reglers; eine schwache oder gebrochene ist weicher."},
@@ -96,6 +96,13 @@ constexpr std::array<MachineParameter, 7> kPumpParameters = {{
     Identified("T_q", "s", {"lag of the flow sensor", "Verzug des Durchflusssensors"},
                {"Time constant of the flow sensor.", "Zeitkonstante des Durchflusssensors."}, "T_{q}", "ms",
                1e3),
+    Identified(
+        "R_p", "1",
+        {"share of the pressure ripple that moves the compensator spool",
+         "Anteil der Druckpulsation, der den Reglerschieber bewegt"},
+        {"Below 1: the slow ripple at the outlet holds the pump's own answer, and lines dampen it.",
+         "Unter 1: In der langsamen Pulsation am Ausgang steckt die eigene Antwort der Pumpe, und Leitungen dämpfen sie."},
+        "R_{p}"),
 }};
 
 /// Start of each parameter is that of a pump of 100 l/min; the range reaches a factor of 5 to both sides.
@@ -107,8 +114,9 @@ ParameterSpec PumpParameter(const char* name, double start, const char* unit) {
 /// Position of the control piston while the pump delivers what the load takes.
 constexpr char kAtRest[] = "X_p*(1 - load_flow/(shaft_speed*D_max))";
 
-StatesSpec PumpStates(const Machine&) {
+StatesSpec PumpStates(const Machine& machine) {
   StatesSpec spec;
+  const bool ripples = !machine.states.shaft.empty();
   spec.states = {
       {.name = "p_c",
        .ddt = fmt::format("{}*({} - {} - C_l*p_c - A_p*v_p)", pump::ChamberStiffness(), pump::FlowIn(),
@@ -130,7 +138,8 @@ StatesSpec PumpStates(const Machine&) {
        .near = "(A_v*outlet_pressure - F_0)/K_v"},
       {.name = "v_p", .ddt = "(A_p*p_c - K_p*x_p - b_p*v_p)/m_p", .initial = "0", .unit = "m/s"},
       {.name = "v_v",
-       .ddt = fmt::format("(A_v*{} - K_v*x_v - b_v*v_v - F_0)/m_v", pump::OutletPressure()),
+       .ddt = fmt::format("(A_v*({}{}) - K_v*x_v - b_v*v_v - F_0)/m_v", pump::OutletPressure(),
+                          ripples ? " + R_p*outlet_pressure_ripple" : ""),
        .initial = "0",
        .unit = "m/s"},
   };
@@ -140,6 +149,7 @@ StatesSpec PumpStates(const Machine&) {
                      PumpParameter("C_l", 2e-11, "m3/(s Pa)"), PumpParameter("K_p", 1.5e5, "N/m"),
                      PumpParameter("V_t", 4e-3, "m3"),         PumpParameter("F_0", 1000, "N"),
                      PumpParameter("T_q", 6e-3, "s")};
+  if (ripples) spec.parameters.push_back({.name = "R_p", .start = 0.8, .min = 0, .max = 2, .unit = "1"});
   return spec;
 }
 

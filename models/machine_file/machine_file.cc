@@ -98,8 +98,8 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadValve(file, machine);
   ReadExperiment(file, machine);
   ReadBalance(file, machine);
-  ReadStates(file, machine);
   ReadEpisodeSection(file, machine);
+  ReadStates(file, machine);
   ReadEffects(file, machine);
   ReadMonitors(file, machine);
   ReadLive(file, machine);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 
 #include "diagnosis/drift/rules.h"
@@ -26,6 +27,21 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   EXPECT_LT(c.linear.log, c.outlet.log);
   const std::array<double, 5> within = {0.03, 0.03, 0.005, 0.005, 0.005};  // K_v, K_q, C_l, K_p, V_t
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
+}
+
+/// Pistons of this pump that are not quite alike move its spool once per revolution, all the more while the flow steps.
+TEST(PumpStudy, RippleThatMovesTheSpoolBendsNoParameter) {
+  PumpOptions options = RandomPump(171);
+  options.seconds = 12;
+  const Machine machine = PumpFile(true);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  const Episode episode = PumpEpisode(SimulatePump(options), machine);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  const Eigen::VectorXd truth = PumpParameters(options);
+  for (int p = 0; p < 5; ++p)
+    EXPECT_NEAR(fit.parameters[p] / truth[p], 1, 0.005) << (*model)->parameters[p].name;
 }
 
 /// Some seconds of a random pump of which the outlet pressure alone is measured.
@@ -71,8 +87,8 @@ TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSe
   ASSERT_GE(together.parameters.size(), 2u);
   EXPECT_EQ(together.parameters[0], "K_v");
   EXPECT_EQ(together.parameters[1], "K_q");
-  ASSERT_FALSE(together.sensors.empty());
-  EXPECT_EQ(together.sensors.front().signal, "control_position");
+  EXPECT_TRUE(std::ranges::any_of(
+      together.sensors, [](const MissingSensor& sensor) { return sensor.signal == "control_position"; }));
 }
 
 /// Of pumps whose sensors halve errors, not more, it was not said before.
