@@ -18,7 +18,7 @@ struct Stretch {
   bool continues = false;     ///< sample 0 is the last sample of the stretch before
   int log = 0;                ///< number of the log it is from, where several are taken together
   bool scattered = false;     ///< samples from here and there, for their noise: nothing moves between them
-  bool derived = false;    ///< the derived channels are filled, for GramsOf
+  bool derived = false;       ///< the derived channels are filled, for GramsOf
   std::vector<std::vector<double>> channel;  ///< [channel][before + sample]
 
   /// Samples -before ... samples + after - 1 of a channel.

@@ -45,7 +45,7 @@ TEST_F(SwappedColumns, OfTheSupplyAndAChamberLeaveNoAllClear) {
 }
 
 TEST_F(SwappedColumns, AWorkingPressureInPlaceOfTheSupplysLeavesNone) {
-  ExpectNoAllClear(WithColumns("p_B", "p_A"), "has the column of another pressure");
+  ExpectNoAllClear(WithColumns("p_B", "p_A"), "p_A (column p_A) and p_0 (column p_A) have the same reading");
 }
 
 /// A position that is turned round, gate and all, leaves a model that fits as well, with a valve that lets oil in as it opens.
