@@ -20,9 +20,10 @@ if [[ ${1:-} == threads ]]; then
 fi
 scripts/build.sh sanitize "${folders[@]/%/_test}"
 # They repeat one thing a thousand times, or, explaining, take ten seconds and more here.
-export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:ExplainStates.CallsA*:ExplainStates.Names*\
-:ExplainStates.FindsNothing*:ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*\
-:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*
+export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:MissingDynamics.Noise*:MissingLimit.A*:ParameterDrift.*\
+:ExplainStates.ACube*:ExplainStates.AStop*:ExplainStates.CallsA*:ExplainStates.Names*:ExplainStates.FindsNothing*\
+:ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*\
+:OddStrokes.Another*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
 test_folder() {
   local output
