@@ -180,6 +180,12 @@ const SymmetricMatrix& StrokeSet::CleanTotal() const {
 
 Eigen::MatrixXd StrokeSet::Total() const { return Unpacked(CleanTotal()); }
 
+std::vector<Eigen::MatrixXd> StrokeSet::TotalOfEach() const {
+  std::vector<Eigen::MatrixXd> totals;
+  for (const auto& stroke : strokes_) totals.push_back(Unpacked(stroke->clean));
+  return totals;
+}
+
 double StrokeSet::OutputEnergy() const {
   const int output = model_->output_column();
   double energy = 0;

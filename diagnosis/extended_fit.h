@@ -94,6 +94,7 @@ class StrokeSet {
   const std::shared_ptr<const ModelStructure>& shared_model() const { return model_; }
   /// Integral-form Gram of all strokes over all columns, noise taken out.
   Eigen::MatrixXd Total() const;
+  std::vector<Eigen::MatrixXd> TotalOfEach() const;  ///< of each stroke by itself
   /// The same of the flow form, noise and all.
   Eigen::MatrixXd TotalFlow() const;
   /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters, size).

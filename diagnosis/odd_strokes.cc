@@ -56,14 +56,6 @@ Strokes WithoutTheWorst(const StrokeSet& strokes, std::span<const EffectChoice> 
   return {};
 }
 
-/// Gram of each stroke by itself, noise taken out.
-std::vector<Eigen::MatrixXd> GramOfEach(const StrokeSet& strokes) {
-  std::vector<Eigen::MatrixXd> grams;
-  for (std::size_t s = 0; s < static_cast<std::size_t>(strokes.strokes()); ++s)
-    grams.push_back(strokes.Only(std::array{s}).Total());
-  return grams;
-}
-
 /// The `count` strokes in whose equations `error` has the least energy, in order.
 Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd> grams,
                       const Eigen::VectorXd& error, std::size_t count) {
@@ -82,7 +74,7 @@ Strokes BestDescribed(const StrokeSet& strokes, std::span<const Eigen::MatrixXd>
 /// concentration steps, Rousseeuw and Van Driessen 1999), until one's excess is `enough`. Empty if no draw leads to any.
 Strokes Concentrated(const StrokeSet& strokes, std::span<const EffectChoice> start, std::size_t count,
                      double enough, const OddStrokeOptions& options) {
-  const std::vector<Eigen::MatrixXd> grams = GramOfEach(strokes);
+  const std::vector<Eigen::MatrixXd> grams = strokes.TotalOfEach();
   std::mt19937_64 random(options.seed);
   Strokes all(grams.size()), best;
   std::iota(all.begin(), all.end(), 0);

@@ -1,7 +1,6 @@
 #include "diagnosis/parameter_in_place.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "diagnosis/remainder/residuals.h"
@@ -9,8 +8,7 @@
 namespace hydroscope {
 namespace {
 
-/// The model's error in strokes of which `gram` is the sum: what an error of `directions` (columns) of any sizes leaves of its
-/// energy.
+/// Of the model's error in strokes of which `gram` is the sum: the energy that one of `directions` (columns), of any sizes, leaves.
 double LeftOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& error, const Eigen::MatrixXd& directions) {
   const double energy = error.dot(gram * error);
   if (directions.cols() == 0) return energy;
@@ -50,21 +48,13 @@ Eigen::MatrixXd MovesOf(const ModelStructure& model, std::span<const DerivedPara
 
 }  // namespace
 
-Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit) {
-  Eigen::VectorXd error = -ColumnWeights(model, fit);
-  error[model.output_column()] += 1;
-  return error;
-}
-
 ParameterInPlace ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
                                     const ExtendedFit& rest, const ExplainOptions& explain,
                                     const OddStrokeOptions& options) {
   const ModelStructure& model = odd.model();
   const Eigen::VectorXd error = ErrorWeights(model, rest);
   const Eigen::MatrixXd gram = odd.Total();
-  std::vector<Eigen::MatrixXd> gram_of_each;
-  for (std::size_t s = 0; s < static_cast<std::size_t>(odd.strokes()); ++s)
-    gram_of_each.push_back(odd.Only(std::array{s}).Total());
+  const std::vector<Eigen::MatrixXd> gram_of_each = odd.TotalOfEach();
 
   const double whole = error.dot(gram * error),
                by_effects = LeftOf(gram, error, DirectionsOf(found, odd, rest));

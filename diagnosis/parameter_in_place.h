@@ -7,9 +7,6 @@
 
 namespace hydroscope {
 
-/// What `fit` leaves of the output, as weights of the columns.
-Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit);
-
 /// Parameters of the base model that explain odd strokes by other values in them.
 struct ParameterInPlace {
   std::string by_one;  ///< the same other value in all of them; "" if no parameter does

@@ -140,8 +140,8 @@ class ShapeTrial {
       choices.push_back({effect_, AddShape(*trial, effect_, point, on_)});
     return {StrokeSet(trial, GramsOf(trial, strokes_, window_), window_), choices};
   }
-  /// Excess ratio on strokes left out with the effect at point `k` alone, and what is known of its values beforehand weighed as
-  /// further equations.
+  /// Excess ratio on strokes left out with the effect at point `k` alone; what is known of its values beforehand counts as
+  /// equations that are missed by as much.
   double ErrorOf(const StrokeSet& set, const std::vector<EffectChoice>& choices, std::size_t k,
                  const std::vector<double>& point) const {
     std::vector<EffectChoice> chosen = others_;

@@ -9,8 +9,8 @@
 
 #include "diagnosis/odd_strokes.h"
 #include "models/counted_words.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_trust.h"
-#include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/run_summary.h"
 #include "workbench/explain/explain_history.h"

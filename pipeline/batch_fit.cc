@@ -5,9 +5,9 @@
 
 #include "core/told_error.h"
 #include "models/machine_kind.h"
-#include "pipeline/broken_strokes.h"
+#include "pipeline/log_faults/broken_strokes.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_pass.h"
-#include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/time_stamps.h"
 #include "replay/resampled_reader.h"

@@ -9,8 +9,8 @@
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
 #include "pipeline/geometry_tolerance.h"
+#include "pipeline/log_faults/reading_faults.h"
 #include "pipeline/pipeline.h"
-#include "pipeline/reading_faults.h"
 #include "replay/log_reader.h"
 
 namespace hydroscope {

@@ -7,8 +7,8 @@
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
+#include "pipeline/log_faults/sensor_ends.h"
 #include "pipeline/raw_log.h"
-#include "pipeline/sensor_ends.h"
 
 namespace hydroscope {
 namespace {

@@ -6,7 +6,7 @@
 #include "acquisition/repeated_rows.h"
 #include "acquisition/straight_runs.h"
 #include "host/output.h"
-#include "pipeline/swapped_pressures.h"
+#include "pipeline/log_faults/swapped_pressures.h"
 
 namespace hydroscope {
 namespace {

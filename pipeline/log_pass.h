@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "pipeline/log_faults/reading_faults.h"
 #include "pipeline/pipeline.h"
-#include "pipeline/reading_faults.h"
 #include "pipeline/run_summary.h"
 #include "replay/log_reader.h"
 

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "pipeline/batch_fit.h"
-#include "pipeline/broken_strokes.h"
+#include "pipeline/log_faults/broken_strokes.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {

@@ -7,9 +7,8 @@
 namespace hydroscope {
 
 /// What of a signal repeats with a shaft. Its shape over the angle is the median of all revolutions, so that steps of the signal
-/// itself do not bend it; its size is found anew four times in each revolution from the faster orders, where such steps hardly
-/// show (order tracking, Fyfe and Munck, Mechanical Systems and Signal Processing 11, 1997). Nothing where too few revolutions
-/// repeat.
+/// itself do not bend it; its size is found four times in each revolution from the faster orders, where such steps hardly show
+/// (order tracking, Fyfe and Munck, Mechanical Systems and Signal Processing 11, 1997). Nothing where too few revolutions repeat.
 class ShaftRipple {
  public:
   static constexpr int kOrders = 12;  ///< of the shaft, beyond the pistons of any usual pump

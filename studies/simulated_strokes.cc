@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "acquisition/quality_monitor.h"
-#include "pipeline/physical_sizes.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "replay/held_signals.h"
 #include "replay/time_check.h"
 

@@ -13,8 +13,7 @@ struct GroupEquations {
 };
 
 /// Error energy on groups left out in turn, with the right-hand side of group u times the sign e_u: e' form e. `ridge` is added
-/// to the diagonal of the sum of all groups and makes what is left without any one group positive definite; where it does not, the
-/// form holds NaN. The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
+/// to the diagonal of the sum of all groups and makes what is left without any one group positive definite. The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
 Eigen::MatrixXd HeldOutForm(const GroupEquations& groups, const Eigen::VectorXd& ridge);
 
 }  // namespace hydroscope

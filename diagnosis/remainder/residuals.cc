@@ -192,6 +192,12 @@ Eigen::VectorXd ColumnWeights(const ModelStructure& model, const ExtendedFit& fi
   return weights;
 }
 
+Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit) {
+  Eigen::VectorXd error = -ColumnWeights(model, fit);
+  error[model.output_column()] += 1;
+  return error;
+}
+
 namespace {
 
 /// The model with nothing in the columns that do not count, so that they cost nothing and a bad signal in

@@ -42,6 +42,8 @@ struct Residuals {
 /// The model as weights of its columns: modelled output = weights . columns (0 for the output column). `fit`
 /// is of base + fit.effects.
 Eigen::VectorXd ColumnWeights(const ModelStructure& model, const ExtendedFit& fit);
+/// What it leaves of the output, as weights of its columns.
+Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit);
 
 /// Residuals of kept strokes. Signals that are not measured (all the same, or not finite) are left out.
 Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,

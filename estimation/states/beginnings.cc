@@ -10,10 +10,11 @@
 namespace hydroscope::shooting {
 namespace {
 
-constexpr double kReading = 0.05;  ///< standard deviation of a reading, of the output's variation
-constexpr double kClose = 1;       ///< square of the error over it, per reading, that is close enough
-constexpr int kFewest = 8;         ///< rows that are looked at first, then twice as many ...
-constexpr int kSteps = 6;          ///< ... of Gauss and Newton each
+constexpr double kMoreThanNoise = 2;  ///< energy of the error in the first rows, in noise variances a reading
+constexpr double kReading = 0.05;     ///< standard deviation of a reading, of the output's variation
+constexpr double kClose = 1;          ///< square of the error over it, per reading, that is close enough
+constexpr int kFewest = 8;            ///< rows that are looked at first, then twice as many ...
+constexpr int kSteps = 6;             ///< ... of Gauss and Newton each
 constexpr double kFirstDamping = 1e-3, kLessDamping = 0.1, kMoreDamping = 10, kLargestDamping = 1e4;
 
 /// Of one segment after the other.
@@ -122,6 +123,41 @@ class BeginningSearch {
 void SeekBeginnings(const Task& task, const std::vector<Segment>& segments, int rows, Point& point) {
   BeginningSearch search(task, point);
   for (std::size_t s = 0; s < segments.size(); ++s) point.z[s] = search.From(segments[s], point.z[s], rows);
+}
+
+std::vector<double> BeginningOf(const Task& of_all, const Episode& episode, const Eigen::VectorXd& parameters,
+                                const StateFitOptions& options) {
+  Task task = of_all;
+  task.episodes = {&episode, 1};
+  const Segment whole = WholeEpisodes(task.episodes).front();
+  const auto followed = [&](Point point) {
+    point.valid = false;
+    for (const int rows : {options.segment_rows, options.first_horizon}) {
+      Segment begin = whole;
+      begin.last = std::min(whole.last, rows - 1);
+      Point from = point;
+      if (Minimise(task, {begin}, options.start_iterations, options.start_tolerance, true, from))
+        point = std::move(from);
+    }
+    return point;
+  };
+  Point guess = PointAt(task, parameters);
+  GuessSegments(task, {whole}, guess);
+  Point best = followed(guess);
+  const int readings = std::min(episode.rows(), options.first_horizon) * task.model->output.rows;
+  if (best.valid && 2 * best.cost <= kMoreThanNoise * readings) return best.z.front();
+  StateRun run;
+  Trial(task, parameters, episode, run);
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const int row = static_cast<int>(share * whole.last);
+    if (row >= run.rows) break;
+    Point later = guess;
+    for (const int i : FreeStates(*task.model, whole))
+      if (task.model->measured_by[i] < 0) later.z.front()[i] = run.states(row, i) / task.state_scale[i];
+    later = followed(std::move(later));
+    if (later.valid && (!best.valid || later.cost < best.cost)) best = std::move(later);
+  }
+  return best.z.front();
 }
 
 }  // namespace hydroscope::shooting

@@ -11,4 +11,10 @@ namespace hydroscope::shooting {
 /// over a whole segment leads back. Segments that are close already stay.
 void SeekBeginnings(const Task& task, const std::vector<Segment>& segments, int rows, Point& point);
 
+/// Initial states of an episode, over their scale, for known parameters. The first rows tell where an episode begins; over all of
+/// them a free run from elsewhere may end in a wrong minimum. Where the guess leaves more than noise in them, states that are not
+/// measured are sought from where the model comes by later in the episode, too: from beyond a brim nothing leads back.
+std::vector<double> BeginningOf(const Task& of_all, const Episode& episode, const Eigen::VectorXd& parameters,
+                                const StateFitOptions& options);
+
 }  // namespace hydroscope::shooting

@@ -454,57 +454,14 @@ StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episod
   return Finish(std::move(task), std::move(point), false, false, options);
 }
 
-namespace {
-
-constexpr double kMoreThanNoise = 2;  ///< energy of the error in the first rows, in noise variances a reading
-
-/// Initial states of an episode, over their scale, for known parameters. The first rows tell where an episode begins; over all of
-/// them a free run from elsewhere may end in a wrong minimum. Where the guess leaves more than noise in them, states that are not
-/// measured are sought from where the model comes by later in the episode, too: from beyond a brim nothing leads back.
-std::vector<double> BeginningOf(const shooting::Task& of_all, const Episode& episode,
-                                const Eigen::VectorXd& parameters, const StateFitOptions& options) {
-  shooting::Task task = of_all;
-  task.episodes = {&episode, 1};
-  const shooting::Segment whole = shooting::WholeEpisodes(task.episodes).front();
-  const auto followed = [&](shooting::Point point) {
-    point.valid = false;
-    for (const int rows : {options.segment_rows, options.first_horizon}) {
-      shooting::Segment begin = whole;
-      begin.last = std::min(whole.last, rows - 1);
-      shooting::Point from = point;
-      if (shooting::Minimise(task, {begin}, options.start_iterations, options.start_tolerance, true, from))
-        point = std::move(from);
-    }
-    return point;
-  };
-  shooting::Point guess = shooting::PointAt(task, parameters);
-  shooting::GuessSegments(task, {whole}, guess);
-  shooting::Point best = followed(guess);
-  const int readings = std::min(episode.rows(), options.first_horizon) * task.model->output.rows;
-  if (best.valid && 2 * best.cost <= kMoreThanNoise * readings) return best.z.front();
-  StateRun run;
-  shooting::Trial(task, parameters, episode, run);
-  for (const double share : {0.25, 0.5, 0.75}) {
-    const int row = static_cast<int>(share * whole.last);
-    if (row >= run.rows) break;
-    shooting::Point later = guess;
-    for (const int i : shooting::FreeStates(*task.model, whole))
-      if (task.model->measured_by[i] < 0) later.z.front()[i] = run.states(row, i) / task.state_scale[i];
-    later = followed(std::move(later));
-    if (later.valid && (!best.valid || later.cost < best.cost)) best = std::move(later);
-  }
-  return best.z.front();
-}
-
-}  // namespace
-
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                       const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights) {
   shooting::Task task = shooting::TaskOf(model, episodes);
   task.noise = weights;
   const StateFitOptions options;
   shooting::Point point = shooting::PointAt(task, parameters);
-  for (const Episode& episode : episodes) point.z.push_back(BeginningOf(task, episode, parameters, options));
+  for (const Episode& episode : episodes)
+    point.z.push_back(shooting::BeginningOf(task, episode, parameters, options));
   return Finish(std::move(task), std::move(point), true, true, options);
 }
 

@@ -6,6 +6,7 @@
 #include "models/machine_kind.h"
 #include "page/api_arguments.h"
 #include "page/work/machine_versions.h"
+#include "workbench/model/model_edit.h"
 
 namespace hydroscope {
 namespace {
@@ -14,7 +15,7 @@ std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or
 
 }  // namespace
 
-Status MachineCopy::Take(const std::string& name, const std::string& text, const std::string& target) {
+Status MachineCopy::Take(const std::string& name, const std::string& text) {
   TRY(ParseMachine(text, name));
   const std::filesystem::path folder = folder_ / std::to_string(++taken_);
   std::filesystem::create_directory(folder);
@@ -22,8 +23,19 @@ Status MachineCopy::Take(const std::string& name, const std::string& text, const
   if (!plain.ends_with(".toml")) plain += ".toml";
   TRY(WriteTextFile((folder / plain).string(), text));
   file_ = (folder / plain).string();
-  target_ = target;
-  saved_text_ = target.empty() ? "" : text;
+  target_.clear();
+  saved_text_.clear();
+  return {};
+}
+
+Status MachineCopy::TakeFile(const std::string& path) {
+  TRY(LoadMachine(path));
+  TRY(Take(std::filesystem::path(path).filename().string(), TextIn(path)));
+  for (const KeptVersion& kept : KeptVersions(path))  // so that earlier versions can be gone back to
+    std::filesystem::copy_file(
+        kept.path, std::filesystem::path(file_).parent_path() / std::filesystem::path(kept.path).filename());
+  target_ = path;
+  saved_text_ = Text();
   return {};
 }
 

@@ -13,9 +13,10 @@ class MachineCopy {
   /// `folder` is there and its own.
   explicit MachineCopy(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Takes `text` as machine file `name`, which Save writes to `target`; "" = Save is told where.
-  /// Error: it is no machine file.
-  Status Take(const std::string& name, const std::string& text, const std::string& target);
+  /// Takes `text` as machine file `name`; Save is told where to write it. Error: it is no machine file.
+  Status Take(const std::string& name, const std::string& text);
+  /// Takes a file, to which Save writes, and the versions that are kept beside it. Error: it is no machine file.
+  Status TakeFile(const std::string& path);
   void Forget();
 
   bool empty() const { return file_.empty(); }

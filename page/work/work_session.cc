@@ -50,18 +50,12 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
       new WorkSession(std::move(examples), feed, std::move(folder), niceness));
   std::filesystem::create_directory(session->folder_->path() + "/machine");
   for (const std::string& log : logs) {
-    if (log.find('#') == log.npos &&
-        !std::filesystem::exists(log))  // "press.db#cushion_1" is opened when it is read
+    const bool part = log.find('#') != log.npos;  // "press.db#cushion_1" is opened when it is read
+    if (!part && !std::filesystem::exists(log))
       return BadInput(Tell("Log '{}' does not exist", "Log '{}' gibt es nicht", log));
     session->logs_.push_back({log, log});
   }
-  if (machine_file.empty()) return session;
-  TRY(LoadMachine(machine_file));
-  TRY(session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
-                             ReadTextFile(machine_file).value_or(""), machine_file));
-  for (const KeptVersion& kept : KeptVersions(machine_file))  // so that earlier versions can be gone back to
-    std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_.file()).parent_path() /
-                                              std::filesystem::path(kept.path).filename());
+  if (!machine_file.empty()) TRY(session->machine_.TakeFile(machine_file));
   return session;
 }
 
@@ -103,7 +97,7 @@ Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
 
 Status WorkSession::TakeMachine(const std::string& name, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  TRY(machine_.Take(name, text, ""));
+  TRY(machine_.Take(name, text));
   mapped_ = false;
   ForgetResults();
   Changed();
@@ -146,7 +140,7 @@ Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
   StartOver();
   const std::string axis = stretch.machine.substr(stretch.machine.rfind('/') + 1);
   const std::lock_guard lock(mutex_);
-  TRY(machine_.Take(axis + ".toml", kept.definition, ""));
+  TRY(machine_.Take(axis + ".toml", kept.definition));
   for (const KeptStrokes::Piece& piece : kept.pieces)
     logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
   machine_.MarkSaved(kept.definition);  // the database has it

@@ -65,7 +65,7 @@ TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
 }
 
 TEST(PumpStudy, StartsThatBeginCloseToOneAnotherDoNotSettleOnAWrongMinimumOfTheOutletPressure) {
-  const Episode episode = OutletEpisode(161, 6);
+  const Episode episode = OutletEpisode(161, 12);
   const StateFit fit = OutletFit(episode);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_GT(fit.starts_tried, 2);

@@ -14,7 +14,7 @@
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/parameter_unit.h"
-#include "pipeline/usual_modulus.h"
+#include "pipeline/log_faults/usual_modulus.h"
 #include "workbench/explain/headline.h"
 #include "workbench/explain/untried_causes.h"
 

@@ -15,7 +15,7 @@
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
-#include "pipeline/physical_sizes.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/run_summary.h"
 #include "replay/resampled_reader.h"
 #include "workbench/history/kept_noise.h"

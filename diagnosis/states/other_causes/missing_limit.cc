@@ -58,7 +58,7 @@ std::optional<MissingLimit> FlatEnd(const Course& course, const MissingLimitOpti
   MissingLimit out;
   out.share = static_cast<double>(beyond) / static_cast<double>(std::max<std::size_t>(1, course.read.size()));
   if (out.share < options.least_share) return std::nullopt;
-  // Where the sensor ends, readings are left out (pipeline/sensor_ends.h); what is left ends just before.
+  // Where the sensor ends, readings are left out (pipeline/log_faults/sensor_ends.h); what is left ends just before.
   out.at = top;
   if (2 * there.size() < beyond) return out;
   out.at = MedianOf(there);

@@ -1,4 +1,4 @@
-#include "pipeline/sensor_ends.h"
+#include "pipeline/log_faults/sensor_ends.h"
 
 #include <algorithm>
 #include <cmath>

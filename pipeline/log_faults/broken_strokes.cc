@@ -1,4 +1,4 @@
-#include "pipeline/broken_strokes.h"
+#include "pipeline/log_faults/broken_strokes.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "pipeline/physical_sizes.h"
+#include "pipeline/log_faults/physical_sizes.h"
 
 #include <fmt/format.h>
 

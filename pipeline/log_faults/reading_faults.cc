@@ -1,4 +1,4 @@
-#include "pipeline/reading_faults.h"
+#include "pipeline/log_faults/reading_faults.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pipeline/swapped_pressures.h"
+#include "pipeline/log_faults/swapped_pressures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pipeline/usual_modulus.h"
+#include "pipeline/log_faults/usual_modulus.h"
 
 #include "core/constants.h"
 #include "core/short_number.h"
