@@ -136,9 +136,9 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     int effect[2];
   };
   std::vector<Pair> pairs;
-  for (const EffectChoice& choice : PairFirsts(ranking)) {
+  const auto pair_with = [&](const EffectChoice& choice) {
     const CandidateModel first = ranking_.With(start_, choice);
-    if (!first.fit.solved) continue;
+    if (!first.fit.solved) return;
     for (const RankedEffect& second : ranking_.Rank(first)) {
       if (!second.fit.solved) continue;
       const std::size_t count = second.fit.effects.size();
@@ -153,31 +153,43 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
       pair.model.choices.push_back(second.fit.effects.back().choice);
       if (pair.gain > options_.LeastGain()) pairs.push_back(std::move(pair));
     }
+  };
+  std::vector<EffectChoice> firsts = PairFirsts(ranking);
+  for (std::size_t tried = 0; tried < firsts.size();) {
+    for (; tried < firsts.size(); ++tried) pair_with(firsts[tried]);
+    if (pairs.empty()) return std::nullopt;
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
+      if (x.lawful != y.lawful) return x.lawful;
+      return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
+    });
+    // Beside an effect that says little by itself, too, every other one is tried: the first may have rivals there.
+    const EffectChoice second = pairs.front().model.choices.back();
+    if (std::ranges::none_of(firsts, [&](const EffectChoice& c) { return c.effect == second.effect; }))
+      std::ranges::copy(ShapesToTry(second), std::back_inserter(firsts));
   }
   if (pairs.empty()) return std::nullopt;
-  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
-    if (x.lawful != y.lawful) return x.lawful;
-    return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
-  });
   const Pair& best = pairs.front();
   const double whole_gain = ranking_.Gain(start_.fit, best.model.fit);
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
                    {strokes_.model().effects[best.effect[1]]->id}};
-  // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other one.
-  for (std::size_t k = 1; k < pairs.size(); ++k) {
-    const ExtendedFit &fit = pairs[k].model.fit, &best_fit = best.model.fit;
-    if (std::any_of(fit.effects.begin(), fit.effects.end(),
-                    [&](const EffectEstimate& e) { return ranking_.IsRefuted(e); }))
-      continue;
-    for (int mine = 0; mine < 2; ++mine)
-      for (int theirs = 0; theirs < 2; ++theirs) {
-        if (pairs[k].effect[1 - theirs] != best.effect[1 - mine] || ranking_.IsConfirmed(best.effect[mine]))
-          continue;
-        const std::string& other = strokes_.model().effects[pairs[k].effect[theirs]]->id;
-        const bool stays = ranking_.StaysBeside({pairs[k].effect[theirs], &fit, pairs[k].gain},
-                                                {best.effect[mine], &best_fit, best.gain}, whole_gain);
-        if (stays && !Contains(groups[mine], other)) groups[mine].push_back(other);
-      }
+  // A rival pair of which one effect may be the one of the best pair offers its other effect in the place of the best pair's other.
+  const auto offers = [&](const Pair& pair, int mine, int theirs) {
+    const std::string& other = strokes_.model().effects[pair.effect[theirs]]->id;
+    return Contains(groups[1 - mine], strokes_.model().effects[pair.effect[1 - theirs]]->id) &&
+           !Contains(groups[mine], other) && !ranking_.IsConfirmed(best.effect[mine]) &&
+           ranking_.StaysBeside({pair.effect[theirs], &pair.model.fit, pair.gain},
+                                {best.effect[mine], &best.model.fit, best.gain}, whole_gain);
+  };
+  for (std::size_t count = 0; count != groups[0].size() + groups[1].size();) {
+    count = groups[0].size() + groups[1].size();
+    for (const Pair& pair : std::span(pairs).subspan(1)) {
+      if (std::ranges::any_of(pair.model.fit.effects, [&](const auto& e) { return ranking_.IsRefuted(e); }))
+        continue;
+      for (const int mine : {0, 1})
+        for (const int theirs : {0, 1})
+          if (offers(pair, mine, theirs))
+            groups[mine].push_back(strokes_.model().effects[pair.effect[theirs]]->id);
+    }
   }
   return std::make_pair(best.model, groups);
 }

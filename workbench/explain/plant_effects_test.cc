@@ -123,13 +123,15 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
+using testing::UnorderedElementsAre;
 
 TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
   for (const double warming : {0.0, 1.0}) {
     const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
     EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift", "pressure_gain_drift"));
     const auto& drift = x.explanation.final.effects.front();
-    EXPECT_THAT(DriftText(x, drift).english, HasSubstr("Q_vn rose by 2 % during this log"));
+    EXPECT_THAT(DriftText(x, drift).english,
+                HasSubstr("if it is Q_vn_drift, Q_vn rose by 2 % during this log"));
   }
 }
 
@@ -138,6 +140,23 @@ TEST(PlantEffects, ADriftThatRunsWithTheOilTemperatureIsAClassWithIt) {
   EXPECT_EQ(x.explanation.verdict, Verdict::kAmbiguous);
   EXPECT_THAT(x.explanation.set, Contains("Q_vn_drift"));
   EXPECT_TRUE(WhatToRecord(x));
+}
+
+/// The pair is found from one of its effects: in the place of that one, too, others are tried beside the second.
+TEST(PlantEffects, NothingOfAPairIsCertainThatHasNotBeenTriedAgainstOthers) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = 11;
+  options.oil_start = 308.15;
+  options.oil_end = 320.15;
+  options.effects = {{"internal_leakage", 8e-12, {}}, {"oil_viscosity", 0.003, {}}};
+  ExplainOptions from_one;
+  from_one.pair_firsts = 1;
+  const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  const Explanation x = ExplainStrokes(*strokes, from_one)->explanation;
+  EXPECT_THAT(x.groups, UnorderedElementsAre(
+                            ElementsAre("internal_leakage"),
+                            UnorderedElementsAre("Q_vn_drift", "oil_viscosity", "pressure_gain_drift")));
 }
 
 /// The viscosity of the oil, which the library does not hold here.
