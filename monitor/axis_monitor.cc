@@ -55,7 +55,7 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
   return JudgeHealth({.alarms = alarms_,
                       .has_reference = monitor_.has_value(),
                       .learned = commissioning_strokes(),
-                      .needed = rules_.commissioning,
+                      .needed = commissioning_needed(),
                       .not_learned = why_not_learned_,
                       .not_judged = std::move(not_judged),
                       .counted = counted});
@@ -145,6 +145,7 @@ Status AxisMonitor::Look() {
         "geschrieben; die Maschinendatei angeben, neben der seine Regeln liegen (--machine)",
         machine_.name));
   if (monitor_) return CountNotJudged();
+  if (recorded_) return {};
   const auto collected = CollectForLearning();
   return collected ? Status{} : Status(tl::unexpected(collected.error()));
 }
@@ -170,7 +171,7 @@ Status AxisMonitor::CatchUp(double wall) {
   if (!monitor_) TRY(Commission(wall));
   if (!monitor_) {
     const auto stored_to = TRY(database_.EndSequence(machine_id_));
-    TRY(JudgeLimitsBefore(stored_to, wall));
+    TRY(JudgeWithoutReference(stored_to, wall));
   }
   if (monitor_) TRY(JudgeStrokes(wall));
   return JudgeValveChecks(wall);
@@ -296,7 +297,8 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
   const AlarmMoment now = last_;
   const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
-  axis_alarms::JudgeSignals(judged, now, content);
+  const bool first_time = stroke.sequence >= without_reference_to_;
+  if (first_time) axis_alarms::JudgeSignals(judged, now, content);
   const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
   for (AlarmState& alarm : content.alarms)
     if (alarm.severity != AlarmSeverity::kSignalLoss)
@@ -305,7 +307,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold && stroke.sequence >= limits_to_)
+  if (!cold && first_time)
     axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
   Suppress(content, now);
 }
