@@ -181,6 +181,7 @@ test("panning moves the picture frame by frame, asks ahead for what comes, and e
 test("an alarm is read, leads to its strokes, is acknowledged, shelved and remarked, and survives a restart", async (t) => {
   const own = copyOfHistory("acknowledged");
   const { page, address } = await visit(t, own);
+  await page.addInitScript(recordTexts);
   await page.goto(address);
   await page.waitForSelector(".tile");
   await page.click(".views button:has-text('Alarms')");
@@ -222,6 +223,10 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
   await page.click("button:has-text('in the workbench')");
   await page.waitForSelector(".scrubber");  // the log that was replayed lies where it lay
   assert.match(await page.locator("header .what").innerText(), /die_cushion · die_cushion \d+–\d+/);
+  await page.goto(`${address}#view=workbench&step=check`);
+  await page.waitForSelector(".log-view canvas");
+  assert.ok(await page.evaluate(() => [...window.drawnTexts].some((text) => /^time since Mar 1, 2026.*:\d\d.* \(s\)$/.test(text))), "a log that counts from 1970 is drawn from its first row on");
+  await page.goBack();
   await page.goBack();
   await page.click("button:has-text('in the trend')");
   await page.waitForSelector(".trend-plot canvas");
