@@ -66,8 +66,8 @@ Result<bool> AxisMonitor::CollectForLearning() {
 /// Limits of the machine file hold while the healthy machine is being learned, too, and signals that are lost are missed.
 Status AxisMonitor::JudgeWithoutReference(std::int64_t end, double wall) {
   while (without_reference_to_ < end) {
-    const auto strokes =
-        TRY(Load(without_reference_to_, std::min(kStrokesPerChange, end - without_reference_to_)));
+    const auto strokes = TRY(
+        LoadWithoutGrams(without_reference_to_, std::min(kStrokesPerChange, end - without_reference_to_)));
     if (strokes.empty()) return {};
     TRY(Change(wall, [&](AxisContent& axis) {
       for (const Stored& stroke : strokes) {

@@ -61,8 +61,18 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
                       .counted = counted});
 }
 
-/// Strokes first ... first + count - 1 as far as they are stored, with estimates.
+/// Strokes first ... first + count - 1 as far as they are stored, with Grams and estimates.
 Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, std::int64_t count) const {
+  auto strokes = TRY(LoadWithoutGrams(first, count));
+  if (strokes.empty()) return strokes;
+  auto grams = TRY(database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1));
+  for (std::size_t i = 0; i < strokes.size() && i < grams.size(); ++i)
+    strokes[i].record.gram = std::move(grams[i]);
+  return strokes;
+}
+
+Result<std::vector<AxisMonitor::Stored>> AxisMonitor::LoadWithoutGrams(std::int64_t first,
+                                                                       std::int64_t count) const {
   std::vector<Stored> strokes;
   const auto stored_to = TRY(database_.EndSequence(machine_id_));
   if (stored_to <= first) return strokes;
@@ -80,11 +90,7 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
       strokes.push_back(std::move(stroke));
     }
   }
-  if (strokes.empty()) return strokes;
-  auto grams = TRY(database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1));
-  for (std::size_t i = 0; i < strokes.size() && i < grams.size(); ++i)
-    strokes[i].record.gram = std::move(grams[i]);
-  if (machine_.monitors.empty()) return strokes;
+  if (strokes.empty() || machine_.monitors.empty()) return strokes;
   const auto trend =
       TRY(database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1));
   for (const TrendPoint& point : trend) {

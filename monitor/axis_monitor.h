@@ -97,6 +97,7 @@ class AxisMonitor {
   };
   static constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
   Result<std::vector<Stored>> Load(std::int64_t first, std::int64_t count) const;
+  Result<std::vector<Stored>> LoadWithoutGrams(std::int64_t first, std::int64_t count) const;
   Result<std::vector<drift::StrokeEvidence>> LoadLearnable(std::int64_t first, std::int64_t count) const;
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;
   bool Learnable(const drift::StrokeEvidence& evidence) const;

@@ -74,7 +74,7 @@ test("a trend is zoomed, kept in the address, and its CSV holds what `trends` ho
   await page.mouse.move(plot.x + 0.75 * plot.width, plot.y + 100, { steps: 4 });
   await page.mouse.up();
   await until(page, () => /from=7\d&to=1\d\d/.test(location.hash));
-  const status = () => page.locator(".trends [role=status]").innerText();
+  const status = async () => (await page.locator(".trends [role=status]").innerText()).replace(/ · Loading …$/, "");  // what is beside it
   await until(page, () => /Strokes 7\d to 1[^…]*$/.test(document.querySelector(".trends [role=status]").textContent));  // and nothing loads
   const zoomed = await status();
   const url = page.url();
@@ -326,7 +326,7 @@ test("an alarm arrives while the page is open, is acknowledged there, and surviv
   replay("early.csv");
   const { page, address, served } = await visit(t, own);
   await page.goto(`${address}#view=alarms`);
-  await page.waitForSelector("text=No alarm stands that fits.");
+  await page.waitForSelector("text=No alarm was ever raised.");
   replay("late.csv");
   await page.waitForSelector(".views button:has-text('Alarms'):has-text('1')");
   await page.click("[data-alarm='die_cushion/internal_leakage']");
