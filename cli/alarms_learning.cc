@@ -9,8 +9,8 @@
 namespace hydroscope {
 namespace {
 
-Result<LearningMachine> LearningOf(Database& database, const std::string& path, AlarmJournal& journal,
-                                   const std::string& name) {
+Result<LearningMachine> LearningOfOne(Database& database, const std::string& path, AlarmJournal& journal,
+                                      const std::string& name) {
   LearningMachine learning;
   learning.machine = name;
   const auto parts = TRY(ChosenMachines(database, path, {name}));
@@ -35,7 +35,7 @@ Result<std::vector<LearningMachine>> LearningOf(Database& database, const std::s
                                                 const std::vector<std::string>& machines) {
   std::vector<LearningMachine> all;
   for (const std::string& machine : machines)
-    all.push_back(TRY(LearningOf(database, path, journal, machine)));
+    all.push_back(TRY(LearningOfOne(database, path, journal, machine)));
   return all;
 }
 
