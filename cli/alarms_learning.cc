@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
-#include "live/service_socket.h"
 #include "monitor/axis_monitor.h"
 #include "monitor/rules_for.h"
 #include "workbench/history/stroke_history.h"
@@ -12,9 +9,8 @@
 namespace hydroscope {
 namespace {
 
-/// By the built-in rules: which rules file somebody keeps beside a machine file no database knows.
-Result<LearningMachine> LearningByRules(Database& database, const std::string& path, AlarmJournal& journal,
-                                        const std::string& name) {
+Result<LearningMachine> LearningOfOne(Database& database, const std::string& path, AlarmJournal& journal,
+                                      const std::string& name) {
   LearningMachine learning;
   learning.machine = name;
   const auto parts = TRY(ChosenMachines(database, path, {name}));
@@ -25,9 +21,9 @@ Result<LearningMachine> LearningByRules(Database& database, const std::string& p
   const auto rules = TRY(RulesFor("", machine));
   AxisMonitor axis(machine, model, rules, database, path, parts.front().id, journal);
   if (!axis.Look()) return learning;
-  const Health health = axis.JudgedHealth();
-  learning.learned = health.learned;
-  learning.needed = health.needed;
+  learning.learned = axis.commissioning_strokes();
+  learning.needed = axis.commissioning_needed();
+  learning.recorded = axis.commissioning_recorded();
   learning.counted = axis.counted().Many().english;
   return learning;
 }
@@ -38,20 +34,8 @@ Result<std::vector<LearningMachine>> LearningOf(Database& database, const std::s
                                                 AlarmJournal& journal,
                                                 const std::vector<std::string>& machines) {
   std::vector<LearningMachine> all;
-  if (machines.empty()) return all;
-  const auto answer = AskService(SocketOf(path), "GET", "/status");
-  const auto status = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
-  for (const std::string& machine : machines) {
-    auto learning = TRY(LearningByRules(database, path, journal, machine));
-    if (status.is_object() && status.contains("drift"))
-      for (const nlohmann::json& axis : status["drift"].value("axes", nlohmann::json::array()))
-        if (axis.value("name", "") == machine) {
-          learning.by_service = true;
-          learning.learned = axis.value("commissioning_strokes", learning.learned);
-          learning.needed = axis.value("commissioning_needed", learning.needed);
-        }
-    all.push_back(std::move(learning));
-  }
+  for (const std::string& machine : machines)
+    all.push_back(TRY(LearningOfOne(database, path, journal, machine)));
   return all;
 }
 
@@ -59,7 +43,7 @@ std::string LearningText(const LearningMachine& learning) {
   if (learning.needed == 0) return learning.machine;
   return fmt::format("{}, {} of {} {}{}", learning.machine, learning.learned, learning.needed,
                      learning.counted.empty() ? "strokes" : learning.counted,
-                     learning.by_service ? "" : " by the built-in rules");
+                     learning.recorded ? "" : " by the built-in rules");
 }
 
 }  // namespace hydroscope

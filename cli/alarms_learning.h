@@ -14,7 +14,7 @@ struct LearningMachine {
   std::string machine;
   std::int64_t learned = 0, needed = 0;  ///< 0 needed: not known
   std::string counted;                   ///< "strokes"
-  bool by_service = false;               ///< a running service tells it; else the built-in rules
+  bool recorded = false;  ///< by whoever judged the strokes; else counted by the built-in rules
 };
 
 /// The same of these machines of the database at `path`.

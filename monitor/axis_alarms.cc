@@ -192,6 +192,8 @@ void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisConten
   const double used =
       counters.gated > 0 ? static_cast<double>(counters.used) / static_cast<double>(counters.gated) : 0.0;
   const bool lost = stroke.reason == drift::JudgementReason::kUnusable || used < kLeastUsed;
+  if (!lost && std::ranges::find(content.alarms, "signal_loss", &AlarmState::id) == content.alarms.end())
+    return;
   AlarmCondition condition{
       1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
       stroke.sequence};

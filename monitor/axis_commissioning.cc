@@ -48,6 +48,7 @@ Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64
 /// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them
 /// is stored twice.
 Result<bool> AxisMonitor::CollectForLearning() {
+  recorded_.reset();
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
     collected_to_ = TRY(NextWithColumns(database_, machine_id_, columns_, collected_to_));
     const auto chunk = TRY(Load(collected_to_, kStrokesPerChange));
@@ -62,10 +63,11 @@ Result<bool> AxisMonitor::CollectForLearning() {
   return true;
 }
 
-/// Limits of the machine file hold while the healthy machine is being learned, too.
-Status AxisMonitor::JudgeLimitsBefore(std::int64_t end, double wall) {
-  while (!machine_.monitors.empty() && limits_to_ < end) {
-    const auto strokes = TRY(Load(limits_to_, std::min(kStrokesPerChange, end - limits_to_)));
+/// Limits of the machine file hold while the healthy machine is being learned, too, and signals that are lost are missed.
+Status AxisMonitor::JudgeWithoutReference(std::int64_t end, double wall) {
+  while (without_reference_to_ < end) {
+    const auto strokes = TRY(
+        LoadWithoutGrams(without_reference_to_, std::min(kStrokesPerChange, end - without_reference_to_)));
     if (strokes.empty()) return {};
     TRY(Change(wall, [&](AxisContent& axis) {
       for (const Stored& stroke : strokes) {
@@ -76,12 +78,11 @@ Status AxisMonitor::JudgeLimitsBefore(std::int64_t end, double wall) {
           axis.Append(alarm_machine::Tick(alarm, last_));
           if (IsOfLimit(alarm)) axis.Append(alarm_machine::Suppress(alarm, kSuppressedTooCold, cold, last_));
         }
-        if (!cold)
-          axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_,
-                                   {stroke.record, stroke.sequence, drift::JudgementReason::kJudged}, last_,
-                                   axis);
+        const JudgedRecord judged{stroke.record, stroke.sequence, drift::JudgementReason::kJudged};
+        axis_alarms::JudgeSignals(judged, last_, axis);
+        if (!cold) axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, last_, axis);
         Suppress(axis, last_);
-        limits_to_ = stroke.sequence + 1;
+        without_reference_to_ = stroke.sequence + 1;
       }
     }));
   }
@@ -106,7 +107,7 @@ Result<bool> AxisMonitor::Commission(double wall) {
              counted().Many(), part.first, part.last - 1, doubt->text);
     return false;
   }
-  TRY(JudgeLimitsBefore(collected_to_, wall));
+  TRY(JudgeWithoutReference(collected_to_, wall));
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
   if (learned) return true;
   if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
@@ -127,7 +128,8 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
   unreadable_ = false;
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms)
-      if (!IsOfLimit(alarm)) axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
+      if (!IsOfLimit(alarm) && alarm.severity != AlarmSeverity::kSignalLoss)
+        axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
     AppendReference(reference, strokes, user, axis);
     if (!doubts.empty())
       axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;

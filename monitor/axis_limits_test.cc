@@ -1,4 +1,5 @@
-// Limits of [monitor.*], which need no reference: they hold before the healthy machine is learned, while it is, and after.
+// Limits of [monitor.*] and loss of signals, which need no reference: judged before the healthy machine is learned, while it is,
+// and after.
 #include "monitor/press_monitor_fixture.h"
 
 namespace hydroscope {
@@ -67,6 +68,30 @@ TEST_F(AxisLimitsTest, SayTheSameHoweverManyStrokesThereAreAtATime) {
   ASSERT_OK(Open()->CatchUp(1000));
   EXPECT_THAT(one_by_one, testing::Not(IsEmpty()));
   EXPECT_EQ(Told(), one_by_one);
+}
+
+TEST_F(AxisLimitsTest, SignalsThatAreLostWhileTheHealthyMachineIsLearnedAreToldAndLearningDoesNotClearThem) {
+  machine_.monitors.clear();
+  std::vector<StrokeRecord> strokes(Healthy().begin(), Healthy().begin() + 100);
+  for (std::size_t k = 90; k < 100; ++k)
+    strokes[k].summary.counters.used = strokes[k].summary.counters.gated / 5;
+  Store(0, {strokes.begin(), strokes.begin() + 95});
+  {
+    const auto press = Open();
+    ASSERT_OK(press->CatchUp(1000));
+    EXPECT_EQ(press->axis(0).monitor(), nullptr);
+    EXPECT_THAT(Standing(press->axis(0)), ElementsAre("UNACK signal_loss"));
+    EXPECT_EQ(press->axis(0).Health(), 'F');
+  }
+  Store(0, {strokes.begin() + 95, strokes.end()});
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(2000));
+  ASSERT_NE(press->axis(0).monitor(), nullptr);
+  EXPECT_THAT(Standing(press->axis(0)), testing::Contains("UNACK signal_loss"));
+  EXPECT_THAT(Events(), testing::Contains("press/left signal_loss raised 92"));
+  StoreHealthy(90, 95);
+  ASSERT_OK(press->CatchUp(3000));
+  EXPECT_THAT(Events(), testing::Contains("press/left signal_loss cleared 102"));
 }
 
 TEST_F(AxisLimitsTest, StrokesThatWereJudgedAreNotJudgedAgainByAReferenceOfEarlierOnes) {

@@ -51,6 +51,17 @@ TEST_F(AxisLookTest, WhileItLearnsTheStrokesAreCountedAndNothingIsGood) {
   ExpectSame(judged);
 }
 
+TEST_F(AxisLookTest, HowManyStrokesLearningNeedsIsWhatTheOneWhoJudgesHasRecordedWhateverRulesTheReaderHas) {
+  auto few = Healthy();
+  few.resize(19);
+  Store(0, few);
+  Judge();
+  const auto looked = Look(RulesFor("", machine_).value());
+  ASSERT_TRUE(looked.has_value()) << looked.error().text;
+  EXPECT_EQ(looked->learned, 19);
+  EXPECT_EQ(looked->needed, 100) << "the built-in rules need 1500";
+}
+
 TEST_F(AxisLookTest, AJudgedAxisIsGood) {
   Store(0, Healthy());
   const Health judged = Judge();

@@ -55,14 +55,24 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
   return JudgeHealth({.alarms = alarms_,
                       .has_reference = monitor_.has_value(),
                       .learned = commissioning_strokes(),
-                      .needed = rules_.commissioning,
+                      .needed = commissioning_needed(),
                       .not_learned = why_not_learned_,
                       .not_judged = std::move(not_judged),
                       .counted = counted});
 }
 
-/// Strokes first ... first + count - 1 as far as they are stored, with estimates.
+/// Strokes first ... first + count - 1 as far as they are stored, with Grams and estimates.
 Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, std::int64_t count) const {
+  auto strokes = TRY(LoadWithoutGrams(first, count));
+  if (strokes.empty()) return strokes;
+  auto grams = TRY(database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1));
+  for (std::size_t i = 0; i < strokes.size() && i < grams.size(); ++i)
+    strokes[i].record.gram = std::move(grams[i]);
+  return strokes;
+}
+
+Result<std::vector<AxisMonitor::Stored>> AxisMonitor::LoadWithoutGrams(std::int64_t first,
+                                                                       std::int64_t count) const {
   std::vector<Stored> strokes;
   const auto stored_to = TRY(database_.EndSequence(machine_id_));
   if (stored_to <= first) return strokes;
@@ -80,11 +90,7 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
       strokes.push_back(std::move(stroke));
     }
   }
-  if (strokes.empty()) return strokes;
-  auto grams = TRY(database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1));
-  for (std::size_t i = 0; i < strokes.size() && i < grams.size(); ++i)
-    strokes[i].record.gram = std::move(grams[i]);
-  if (machine_.monitors.empty()) return strokes;
+  if (strokes.empty() || machine_.monitors.empty()) return strokes;
   const auto trend =
       TRY(database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1));
   for (const TrendPoint& point : trend) {
@@ -145,6 +151,7 @@ Status AxisMonitor::Look() {
         "geschrieben; die Maschinendatei angeben, neben der seine Regeln liegen (--machine)",
         machine_.name));
   if (monitor_) return CountNotJudged();
+  if (recorded_) return {};
   const auto collected = CollectForLearning();
   return collected ? Status{} : Status(tl::unexpected(collected.error()));
 }
@@ -170,7 +177,7 @@ Status AxisMonitor::CatchUp(double wall) {
   if (!monitor_) TRY(Commission(wall));
   if (!monitor_) {
     const auto stored_to = TRY(database_.EndSequence(machine_id_));
-    TRY(JudgeLimitsBefore(stored_to, wall));
+    TRY(JudgeWithoutReference(stored_to, wall));
   }
   if (monitor_) TRY(JudgeStrokes(wall));
   return JudgeValveChecks(wall);
@@ -296,7 +303,8 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
   const AlarmMoment now = last_;
   const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
-  axis_alarms::JudgeSignals(judged, now, content);
+  const bool first_time = stroke.sequence >= without_reference_to_;
+  if (first_time) axis_alarms::JudgeSignals(judged, now, content);
   const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
   for (AlarmState& alarm : content.alarms)
     if (alarm.severity != AlarmSeverity::kSignalLoss)
@@ -305,7 +313,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold && stroke.sequence >= limits_to_)
+  if (!cold && first_time)
     axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
   Suppress(content, now);
 }

@@ -23,9 +23,9 @@ namespace hydroscope {
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
 ///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
-///   Learn()), while limits of [monitor.*], which need no reference, are judged already; then each stroke:
-///   drift monitor, limits, loss of signals -> alarms -> journal, and as soon as a finding has enough strokes
-///   behind it, what comparing those before and after says; then valve checks.
+///   Learn()), while limits of [monitor.*] and loss of signals, which need no reference, are judged already;
+///   then each stroke: drift monitor, limits, loss of signals -> alarms -> journal, and as soon as a finding has
+///   enough strokes behind it, what comparing those before and after says; then valve checks.
 /// What is said depends on the strokes alone, not on how many were there at a time. A saved state that cannot
 /// be read (of another program version, or of a model with other parameters) is made anew from stored
 /// strokes, told by an event.
@@ -62,8 +62,13 @@ class AxisMonitor {
   const drift::DriftMonitor* monitor() const { return monitor_ ? &*monitor_ : nullptr; }
   /// Why the strokes of commissioning were not learned, "" if nothing speaks against it.
   const Told& why_not_learned() const { return why_not_learned_; }
-  /// Strokes commissioning has so far and needs.
-  std::int64_t commissioning_strokes() const { return static_cast<std::int64_t>(collected_.size()); }
+  /// Strokes commissioning has so far, and how many it needs: as counted here, else as the journal has it from who judged last.
+  std::int64_t commissioning_strokes() const {
+    return recorded_ ? recorded_->strokes : static_cast<std::int64_t>(collected_.size());
+  }
+  std::int64_t commissioning_needed() const { return recorded_ ? recorded_->needed : rules_.commissioning; }
+  /// Both are from the journal, whatever rules this object was given.
+  bool commissioning_recorded() const { return recorded_.has_value(); }
   const std::vector<AlarmState>& alarms() const { return alarms_; }
   /// What stood when, since the journal was begun.
   const FindingHistory& history() const { return history_; }
@@ -92,6 +97,7 @@ class AxisMonitor {
   };
   static constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
   Result<std::vector<Stored>> Load(std::int64_t first, std::int64_t count) const;
+  Result<std::vector<Stored>> LoadWithoutGrams(std::int64_t first, std::int64_t count) const;
   Result<std::vector<drift::StrokeEvidence>> LoadLearnable(std::int64_t first, std::int64_t count) const;
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;
   bool Learnable(const drift::StrokeEvidence& evidence) const;
@@ -110,7 +116,7 @@ class AxisMonitor {
   Result<bool> CollectForLearning();
   Status CountNotJudged();
   Result<bool> Commission(double wall);
-  Status JudgeLimitsBefore(std::int64_t end, double wall);
+  Status JudgeWithoutReference(std::int64_t end, double wall);
   bool IsOfLimit(const AlarmState& alarm) const;
   Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                    const AlarmUser& user);
@@ -137,7 +143,7 @@ class AxisMonitor {
   drift::ValveCheckMonitor valve_;
   std::int64_t checks_ = 0;                         ///< valve checks judged
   std::int64_t next_ = 0;                           ///< first stroke not judged yet
-  std::int64_t limits_to_ = 0;                      ///< or, where it is later, that by limits
+  std::int64_t without_reference_to_ = 0;           ///< or, where it is later, that by limits and signals
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
   AlarmJournal::Version seen_;                      ///< of the journal when it was read last
   bool unreadable_ = false;                         ///< that state could not be read
@@ -147,8 +153,12 @@ class AxisMonitor {
   drift::JudgementReason why_not_judged_ = drift::JudgementReason::kJudged;
   std::vector<drift::StrokeEvidence> collected_;  ///< by commissioning
   std::int64_t collected_to_ = 0;                 ///< first stroke not looked at by commissioning
-  Told why_not_learned_;                          ///< commissioning ended without a reference, and why
-  std::uint8_t suppressed_ = 0;                   ///< by SetSuppression()
+  struct Commissioning {
+    std::int64_t strokes = 0, needed = 0;
+  };
+  std::optional<Commissioning> recorded_;  ///< from the journal, until it is counted here
+  Told why_not_learned_;                   ///< commissioning ended without a reference, and why
+  std::uint8_t suppressed_ = 0;            ///< by SetSuppression()
   /// By SetCommonCause(); until it is called alarms stay as the journal has them.
   std::optional<std::set<std::string>> common_cause_;
   std::vector<AlarmState> alarms_;

@@ -29,7 +29,8 @@ Status AxisMonitor::Refresh() {
 void AxisMonitor::Restore(const AxisContent& content) {
   next_ = content.monitor.next_stroke;
   last_.stroke = next_ - 1;
-  limits_to_ = next_;
+  without_reference_to_ = next_;
+  recorded_.reset();
   saved_ = content.monitor.state;
   collected_.clear();
   collected_to_ = next_;
@@ -48,8 +49,9 @@ void AxisMonitor::Forget() {
   checks_ = 0;
 }
 
-/// State: whether a reference was learned, drift monitor, valve checks judged, their monitor, what stood when
-/// (states of earlier versions end before that), and up to which stroke limits are judged where that is further.
+/// State: whether a reference was learned, drift monitor, valve checks judged, their monitor, what stood when, up to which
+/// stroke limits and signals are judged where that is further, and until there is a reference the strokes that commissioning
+/// has and needs. States of earlier versions end before.
 bool AxisMonitor::RestoreState() {
   ByteReader in(*saved_);
   const bool learned = in.Get<std::uint8_t>() != 0;
@@ -58,7 +60,11 @@ bool AxisMonitor::RestoreState() {
   checks_ = in.Get<std::int64_t>();
   if (!valve_.Restore(in)) return false;
   if (!in.at_end() && !history_.Restore(in)) return false;
-  if (!in.at_end()) limits_to_ = in.Get<std::int64_t>();
+  if (!in.at_end()) without_reference_to_ = in.Get<std::int64_t>();
+  if (!in.at_end()) {
+    const auto strokes = in.Get<std::int64_t>();
+    recorded_ = {strokes, in.Get<std::int64_t>()};
+  }
   return in.ok() && in.at_end();
 }
 
@@ -69,7 +75,11 @@ std::vector<std::uint8_t> AxisMonitor::SaveState() const {
   out.Put(checks_);
   valve_.Save(out);
   history_.Save(out);
-  if (limits_to_ > next_) out.Put(limits_to_);
+  if (!monitor_ || without_reference_to_ > next_) out.Put(without_reference_to_);
+  if (!monitor_) {
+    out.Put(commissioning_strokes());
+    out.Put(commissioning_needed());
+  }
   return out.Take();
 }
 

@@ -337,6 +337,7 @@ nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& propos
           {"decided", InEnglish(proposal.decided)},
           {"open", InEnglish(proposal.open)},
           {"rows", log.rows},
+          {"whole", log.rows < kRowsLookedAt},
           {"duration_s", DurationOf(log, machine)},
           {"text", proposal.text},
           {"problem", problem}};

@@ -3,7 +3,18 @@ import { Plot, pageColor } from "./plot";
 import { Told } from "./told";
 import type { LogPicture } from "./types";
 import { nameOf, shownNumber, unitsKey } from "./units";
-import { useWords } from "./words";
+import { dateText, isDate } from "./watch/shown";
+import { useWords, type Say } from "./words";
+
+/** Times along a log: those of one that counts from 1970 from its first row on. */
+export function timesOf(picture: LogPicture, say: Say) {
+  const begun = isDate(picture.from) ? picture.from : 0;
+  return {
+    label: `${begun > 0 ? say("timeSince", { date: dateText(begun, "medium") }) : say("time")} (s)`,
+    of: (stretches: unknown[], step: number) => stretches.map((_, k) => picture.from - begun + (k + 0.5) * step),
+    shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin - begun, to: stroke.end - begun, color: pageColor("--stroke-shade") })),
+  };
+}
 
 /** A whole log, one or two signals of it, with the strokes that the gate lets through shaded. */
 export function LogView({ picture }: { picture: LogPicture }) {
@@ -12,9 +23,9 @@ export function LogView({ picture }: { picture: LogPicture }) {
   const [chosen, setChosen] = useState("");
   const signal = moving.find((s) => s.name === chosen) ?? moving[0];
   const data = useMemo(() => {
-    const x = (signal?.low ?? []).map((_, k) => picture.from + (k + 0.5) * picture.step);
-    return { x, values: signal ? [signal.low, signal.high].map((list) => list.map((value) => shownNumber(value, signal.unit))) : [[], []],
-      shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })) };
+    const times = timesOf(picture, say);
+    return { xLabel: times.label, x: times.of(signal?.low ?? [], picture.step), shades: times.shades,
+      values: signal ? [signal.low, signal.high].map((list) => list.map((value) => shownNumber(value, signal.unit))) : [[], []] };
   }, [picture, signal, unitsKey()]);
   if (!signal) return null;
   const color = pageColor("--line-a");
@@ -29,7 +40,7 @@ export function LogView({ picture }: { picture: LogPicture }) {
       <Plot label={[signal.name, counted].filter((text) => text).join(", ")} x={data.x} values={data.values} shades={data.shades} height={220}
         lines={[{ label: signal.name, color, width: 1 }, { label: "", color, width: 1, hidden: true }]}
         bands={[{ high: 1, low: 0, color }]}
-        xLabel={`${say("time")} (s)`} yLabel={`${signal.name}${nameOf(signal.unit) && ` (${nameOf(signal.unit)})`}`} />
+        xLabel={data.xLabel} yLabel={`${signal.name}${nameOf(signal.unit) && ` (${nameOf(signal.unit)})`}`} />
     </section>
   );
 }

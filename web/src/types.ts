@@ -199,7 +199,7 @@ export interface ProposalRequest {
 export interface Proposal {
   machine: string; model: string; title: string; german?: { title: string; decided: string[]; open: string[] }; picture: Picture; pins: Pin[]; columns: LogColumn[];
   kinds: { id: string; title: string; german?: { title: string }; own: boolean }[]; geometry: KnownSize[]; balance: Balance | null; effects: WrittenEffect[] | null;
-  gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
+  gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; whole: boolean; duration_s: number | null; text: string;
   /** Why the machine file cannot be used yet. */
   problem: Failure | null;
 }

@@ -8,7 +8,7 @@ import { request as tlsRequest } from "node:https";
 import { connect } from "node:net";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, patience, startBrowser, visitServed } from "./browser_fixture.mjs";
+import { assertLooksGood, endBrowser, patience, startBrowser, visitServed } from "./browser_fixture.mjs";
 import { copyHistory, makeHistory } from "./history.mjs";
 import { folder, program, run, serve } from "./program.mjs";
 
@@ -214,26 +214,19 @@ test("where there are no users the page says how the first one is made", async (
   await page.waitForSelector(".login:has-text('hydroscope users --db … add NAME --role admin')");
 });
 
-for (const [look, options] of [
-  ["wide, light, English", {}],
-  ["wide, dark, German", { colorScheme: "dark", locale: "de-DE" }],
-  ["phone, light, German", { viewport: { width: 390, height: 844 }, locale: "de-DE" }],
-])
-  test(`login and changes are accessible and fit: ${look}`, async (t) => {
-    const { page, address } = await visitServed(await serve(databaseWithUsers(`look${Math.random()}`.replace(".", "")), place.path), t, options);
-    await page.goto(`${address}#view=login`);
-    await page.waitForSelector(".login");
-    await assertAccessible(page, "login");
-    await assertFits(page, "login");
-    await logIn(page, "admin", "a wrong password");
-    await page.waitForSelector(".login .problem");
-    await assertAccessible(page, "login refused");
-    await logIn(page, "admin");
-    await page.waitForSelector(".account");
-    for (const [view, there] of [["audit", ".audit tbody tr"], ["alarms&alarm=die_cushion/internal_leakage", ".act"]]) {
-      await page.goto(`${address}#view=${view}`);
-      await page.waitForSelector(there);
-      await assertAccessible(page, view);
-      await assertFits(page, view);
-    }
-  });
+test("login and changes are accessible and fit, wide and on a phone, in both languages, light and dark", async (t) => {
+  const { page, address } = await visitServed(await serve(databaseWithUsers("look"), place.path), t);
+  await page.goto(`${address}#view=login`);
+  await page.waitForSelector(".login");
+  await assertLooksGood(page, "login");
+  await logIn(page, "admin", "a wrong password");
+  await page.waitForSelector(".login .problem");
+  await assertLooksGood(page, "login refused");
+  await logIn(page, "admin");
+  await page.waitForSelector(".account");
+  for (const [view, there] of [["audit", ".audit tbody tr"], ["alarms&alarm=die_cushion/internal_leakage", ".act"]]) {
+    await page.goto(`${address}#view=${view}`);
+    await page.waitForSelector(there);
+    await assertLooksGood(page, view);
+  }
+});

@@ -74,7 +74,7 @@ test("a trend is zoomed, kept in the address, and its CSV holds what `trends` ho
   await page.mouse.move(plot.x + 0.75 * plot.width, plot.y + 100, { steps: 4 });
   await page.mouse.up();
   await until(page, () => /from=7\d&to=1\d\d/.test(location.hash));
-  const status = () => page.locator(".trends [role=status]").innerText();
+  const status = async () => (await page.locator(".trends [role=status]").innerText()).replace(/ · Loading …$/, "");  // what is beside it
   await until(page, () => /Strokes 7\d to 1[^…]*$/.test(document.querySelector(".trends [role=status]").textContent));  // and nothing loads
   const zoomed = await status();
   const url = page.url();
@@ -181,6 +181,7 @@ test("panning moves the picture frame by frame, asks ahead for what comes, and e
 test("an alarm is read, leads to its strokes, is acknowledged, shelved and remarked, and survives a restart", async (t) => {
   const own = copyOfHistory("acknowledged");
   const { page, address } = await visit(t, own);
+  await page.addInitScript(recordTexts);
   await page.goto(address);
   await page.waitForSelector(".tile");
   await page.click(".views button:has-text('Alarms')");
@@ -222,6 +223,10 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
   await page.click("button:has-text('in the workbench')");
   await page.waitForSelector(".scrubber");  // the log that was replayed lies where it lay
   assert.match(await page.locator("header .what").innerText(), /die_cushion · die_cushion \d+–\d+/);
+  await page.goto(`${address}#view=workbench&step=check`);
+  await page.waitForSelector(".log-view canvas");
+  assert.ok(await page.evaluate(() => [...window.drawnTexts].some((text) => /^time since Mar 1, 2026.*:\d\d.* \(s\)$/.test(text))), "a log that counts from 1970 is drawn from its first row on");
+  await page.goBack();
   await page.goBack();
   await page.click("button:has-text('in the trend')");
   await page.waitForSelector(".trend-plot canvas");
@@ -321,7 +326,7 @@ test("an alarm arrives while the page is open, is acknowledged there, and surviv
   replay("early.csv");
   const { page, address, served } = await visit(t, own);
   await page.goto(`${address}#view=alarms`);
-  await page.waitForSelector("text=No alarm stands that fits.");
+  await page.waitForSelector("text=No alarm was ever raised.");
   replay("late.csv");
   await page.waitForSelector(".views button:has-text('Alarms'):has-text('1')");
   await page.click("[data-alarm='die_cushion/internal_leakage']");

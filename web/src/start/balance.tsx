@@ -15,7 +15,8 @@ export interface Written { balance: Balance; effects: WrittenEffect[] }
 
 export function BalanceFormula({ balance }: { balance: Balance }) {
   const whole = balance.output.trim() !== "" && balance.terms.length > 0 && balance.terms.every((term) => term.name !== "" && term.expression.trim() !== "");
-  return whole ? <p><Formula law={`${balance.output} = ${balance.terms.map((term) => `${term.name} (${term.expression})`).join(" + ")}`} /></p> : null;
+  const product = (name: string, factor: string) => (factor === "1" ? name : /^\w+$/.test(factor) ? `${name} ${factor}` : `${name} (${factor})`);
+  return whole ? <p><Formula law={`${balance.output} = ${balance.terms.map((term) => product(term.name, term.expression.trim())).join(" + ")}`} /></p> : null;
 }
 
 const free = (known: string[], name: string) => { for (let n = 1; ; ++n) if (!known.includes(`${name}_${n}`)) return `${name}_${n}`; };

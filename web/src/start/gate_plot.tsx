@@ -3,7 +3,7 @@ import { Plot, pageColor, type PlotView } from "../plot";
 import type { GateBound, GateCourse, LogPicture } from "../types";
 import { short } from "../units";
 import { useWords } from "../words";
-import { LogView } from "../log_view";
+import { LogView, timesOf } from "../log_view";
 import { boundName, boundUnit, GateThresholds } from "./gate_thresholds";
 import type { ProposalWork } from "./proposal";
 
@@ -31,11 +31,11 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
   useEffect(() => setHeld(null), [bound.min, bound.max]);
   const lines = (["min", "max"] as const).filter((side) => bound[side] !== null)
     .map((side) => ({ side, value: (held?.side === side ? held.value : bound[side]!) * unit.factor }));
-  const data = useMemo(() => ({
-    x: course.low.map((_, k) => picture.from + (k + 0.5) * course.step),
-    values: [course.low, course.high].map((list) => list.map((v) => (v === null ? null : v * unit.factor))),
-    shades: (picture.strokes ?? []).map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })),
-  }), [picture, course, unit.name]);
+  const data = useMemo(() => {
+    const times = timesOf(picture, say);
+    return { xLabel: times.label, x: times.of(course.low, course.step), shades: times.shades,
+      values: [course.low, course.high].map((list) => list.map((v) => (v === null ? null : v * unit.factor))) };
+  }, [picture, course, unit.name]);
   const taken = (event: { clientY: number }) => {
     const at = view.current?.yPixel;
     return at && lines.map((line) => ({ ...line, away: Math.abs(at(line.value) - event.clientY) })).sort((a, b) => a.away - b.away).find((line) => line.away <= near);
@@ -62,7 +62,7 @@ function GatePlot({ picture, course, bound, move }: { picture: LogPicture; cours
       onPointerCancel={() => setHeld(null)}>
       <Plot label={`${what}: ${words}`} x={data.x} values={data.values} shades={data.shades} height={150} levels={lines.map((line) => ({ value: line.value, color: pageColor("--bad") }))} view={view}
         lines={[{ label: `${what}, ${words}`, color, width: 1 }, { label: "", color, width: 1, hidden: true }]} bands={[{ high: 1, low: 0, color }]}
-        xLabel={`${say("time")} (s)`} yLabel={unit.name} />
+        xLabel={data.xLabel} yLabel={unit.name} />
     </div>
   );
 }

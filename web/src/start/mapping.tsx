@@ -65,7 +65,7 @@ function Mapping({ first }: { first: ProposalWork }) {
               ))}
             </ul>
             {slow && <p class="verdict bad">{say("mapRate", { rate: short(rate) })} – {say("mapTooSlow")}</p>}
-            {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
+            {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })}{!proposal.whole && <small> ({say("mapRowsOnly", { rows: proposal.rows })})</small>}</p>}
             {areas.map((area) => <Area key={`${proposal.model} ${area.name}`} known={area} set={(value) => setGeometry(area.name, value)} />)}
             <Sizes key={proposal.model} sizes={proposal.geometry.filter((known) => !areas.includes(known))} set={setGeometry} />
             {proposal.balance && <fieldset class="balance">

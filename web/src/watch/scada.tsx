@@ -51,7 +51,7 @@ export function Scada() {
         <thead><tr role="row">{columns.map((column) => <th key={column} scope="col" role="columnheader">{say(column)}</th>)}</tr></thead>
         <tbody>{tags.slice(0, shown).map((tag) => (
           <tr key={`${tag.feed}${tag.address}${tag.name}`} role="row">
-            <td role="cell">{tag.feed}</td><td role="cell" class="code">{tag.address}</td>
+            <td role="cell">{tag.feed}</td><td role="cell" class="code">{tag.address.split("/").map((part, k) => (k === 0 ? part : <>/<wbr />{part}</>))}</td>
             <td role="cell" class="leads" lang="en">{tag.axis && <small>{tag.axis} · </small>}{tag.name}{tag.meaning && <small> · {tag.meaning}</small>}</td>
             <td role="cell" lang="en">{tag.type}</td><td role="cell" data-label={say("tagNow")}>{tag.value === "" ? "–" : tag.value}</td><td role="cell">{tag.unit}</td><td role="cell">{tag.scaling}</td>
           </tr>))}</tbody>

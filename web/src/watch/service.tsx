@@ -16,7 +16,7 @@ export function useService(asked = true): ServiceStatus | null | undefined {
   return found === undefined ? undefined : found?.service ?? null;
 }
 
-const age = (seconds: number | null) => (seconds === null ? "–" : seconds < 100 ? `${short(seconds, 2)} s` : seconds < 6000 ? `${short(seconds / 60, 2)} min` : `${short(seconds / 3600, 3)} h`);
+const age = (seconds: number | null) => (seconds === null ? "–" : seconds < 1 ? `${short(1e3 * seconds, 2)} ms` : seconds < 100 ? `${short(seconds, 2)} s` : seconds < 6000 ? `${short(seconds / 60, 2)} min` : `${short(seconds / 3600, 3)} h`);
 const memory = (bytes: number) => (bytes < 2 ** 30 ? `${short(bytes / 2 ** 20)} MB` : `${short(bytes / 2 ** 30)} GB`);
 /** Names of units as machine files have them, as people read them. */
 const si: Record<string, [number, number, string]> = { Pa: [1e-5, 0, "bar"], m: [1e3, 0, "mm"], "m/s": [1e3, 0, "mm/s"], m3: [1e3, 0, "l"], "m3/s": [6e4, 0, "l/min"], K: [1, -273.15, "°C"] };

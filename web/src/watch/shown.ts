@@ -22,8 +22,9 @@ export const celsius = (kelvin: MaybeNumber) => (kelvin === null ? null : kelvin
 
 const language = () => document.documentElement.lang || "en";
 
-export function dateText(seconds: number): string {
-  return new Intl.DateTimeFormat(language(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(1000 * seconds));
+/** In the time zone of the reader, to the minute or to the second. */
+export function dateText(seconds: number, timeStyle: "short" | "medium" = "short"): string {
+  return new Intl.DateTimeFormat(language(), { dateStyle: "medium", timeStyle }).format(new Date(1000 * seconds));
 }
 
 /** Whether a time counts from 1970 rather than from the begin of a log. */

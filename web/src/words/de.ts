@@ -67,7 +67,7 @@ export const de: Words = {
   mapDuration: "Das Log dauert {duration} – richtig? Wenn nicht, ändern Sie die Einheit der Zeit.",
   mapRate: "{rate} <Zeile/Zeilen> je Sekunde",
   mapTooSlow: "zu langsam: was Ventil und Öl tun, braucht 100 und mehr",
-  mapRowsOnly: "angesehen sind die ersten {rows} <Zeile/Zeilen>",
+  mapRowsOnly: "beurteilt nach den ersten {rows} <Zeile/Zeilen>",
   mapAreaText: "Aus der Zeichnung: Bohrung des Zylinders, und die Stange auf der Seite dieser Fläche (0, wo keine ist).",
   mapBore: "Bohrung",
   mapRod: "Stange",
@@ -127,6 +127,7 @@ export const de: Words = {
   signalPressureRate: "Druckanstieg",
   signalPhase: "Phase",
   time: "Zeit",
+  timeSince: "Zeit seit {date}",
 
   logs: "Logs",
   logAdd: "Logs hinzufügen …",

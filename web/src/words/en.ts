@@ -66,7 +66,7 @@ export const en = {
   mapDuration: "The log lasts {duration} – right? If not, change the unit of the time.",
   mapRate: "{rate} <row/rows> a second",
   mapTooSlow: "too slow: what valve and oil do takes 100 and more",
-  mapRowsOnly: "looked at its first {rows} <row/rows>",
+  mapRowsOnly: "judged by its first {rows} <row/rows>",
   mapAreaText: "From the drawing: bore of the cylinder, and the rod on the side of this area (0 where there is none).",
   mapBore: "Bore",
   mapRod: "Rod",
@@ -126,6 +126,7 @@ export const en = {
   signalPressureRate: "pressure rate",
   signalPhase: "phase",
   time: "time",
+  timeSince: "time since {date}",
 
   logs: "Logs",
   logAdd: "Add logs …",
