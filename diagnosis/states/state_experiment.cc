@@ -9,6 +9,7 @@
 #include "diagnosis/states/tangent.h"
 #include "estimation/column_products.h"
 #include "estimation/decompositions.h"
+#include "estimation/states/unseen_ripple.h"
 
 namespace hydroscope {
 namespace {
@@ -47,7 +48,8 @@ class ExperimentSearch {
       for (const Rival& rival : rivals_) out_.rivals.push_back(rival.candidate->added);
     std::set<std::string> unseen;
     for (const UnseenDirection& direction : x.final.fit.unseen)
-      for (const auto& [name, share] : direction.parts) unseen.insert(name);
+      if (!OnlyRippleShows(*x.final.fit.model, direction))
+        for (const auto& [name, share] : direction.parts) unseen.insert(name);
     if (rivals_.size() == 1) out_.unseen.assign(unseen.begin(), unseen.end());
   }
 

@@ -112,7 +112,7 @@ bool LeavesWhite(shooting::Task task, const shooting::Point& point) {
   task.effort.reset();
   StateFit fit;
   fit.model = task.model;
-  return TakeRuns(task, point, fit) && AreWhite(fit.residuals);
+  return TakeRuns(task, point, fit) && AreWhite(fit.residuals, task.episodes.front().mean_rows);
 }
 
 /// Fits all rows from a point, twice where several outputs are weighted by their noise.
@@ -200,6 +200,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   std::vector<Reached> reached;
   double least = std::numeric_limits<double>::infinity();
   int tried = 0, diverged = 0;
+  bool white = false;  // the last start leaves white noise
   for (const Eigen::VectorXd& start : starts) {
     ++tried;
     shooting::Point point = FitGrowing(task, start, options);
@@ -208,6 +209,8 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
       continue;
     }
     least = std::min(least, point.cost);
+    // Of an output that moves faster than its readings the noise is at most so much: what is left must be white as well.
+    white = 2 * point.cost <= options.at_noise * readings && LeavesWhite(task, point);
     const auto same = std::ranges::find_if(reached, [&](const Reached& r) {
       return std::abs(r.minimum.cost - point.cost) <=
              options.same_minimum * std::min(r.minimum.cost, point.cost);
@@ -223,7 +226,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
       reached.push_back({std::move(minimum), std::move(point), start});
     }
     // The best minimum again, from elsewhere: there is hardly a better one.
-    if (again || 2 * least <= options.at_noise * readings) break;
+    if (again || white) break;
   }
   if (reached.empty()) {
     StateFit none;
@@ -234,7 +237,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   std::ranges::sort(reached, {}, [](const Reached& r) { return r.point.cost; });
   // A start that one output leads astray stops short where the cost is flat: there two of the last fits must agree.
   constexpr double kSameFit = 2e-3;
-  const std::ptrdiff_t enough = SeesMuch(*task.model) || 2 * least <= options.at_noise * readings ? 1 : 2;
+  const std::ptrdiff_t enough = SeesMuch(*task.model) || white ? 1 : 2;
   StateFit fit;
   least = std::numeric_limits<double>::infinity();
   for (auto r = reached.begin(); r != reached.end(); ++r) {

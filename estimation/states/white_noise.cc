@@ -20,12 +20,12 @@ double WhiteNoiseVariance::Value() const {
   return count_ > 0 ? energy_ / (kEnergy * count_) : 0;
 }
 
-bool AreWhite(const std::vector<RowMatrix>& residuals) {
+bool AreWhite(const std::vector<RowMatrix>& residuals, int stride) {
   constexpr Eigen::Index kLags = 20;
   constexpr double kMemory = 0.15;
   const Eigen::Index outputs = residuals.empty() ? 0 : residuals.front().cols();
   for (Eigen::Index j = 0; j < outputs; ++j)
-    for (Eigen::Index lag = 1; lag <= kLags; ++lag) {
+    for (Eigen::Index lag = stride; lag <= kLags * stride; lag += stride) {
       double product = 0, energy = 0;
       for (const RowMatrix& residual : residuals)
         for (Eigen::Index row = lag; row < residual.rows(); ++row) {

@@ -21,7 +21,7 @@ class WhiteNoiseVariance {
   double energy_ = 0, count_ = 0;
 };
 
-/// Whether no column remembers itself: correlations over 1 ... 20 rows stay below 0.15.
-bool AreWhite(const std::vector<RowMatrix>& residuals);
+/// Whether no column remembers itself: correlations over 1 ... 20 readings, `stride` rows apart, stay below 0.15.
+bool AreWhite(const std::vector<RowMatrix>& residuals, int stride);
 
 }  // namespace hydroscope

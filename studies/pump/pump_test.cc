@@ -8,6 +8,7 @@
 #include "models/machine_kind.h"
 #include "studies/pump/identification.h"
 #include "workbench/states/states_log.h"
+#include "workbench/states/states_warnings.h"
 
 namespace hydroscope {
 namespace {
@@ -79,6 +80,14 @@ TEST(PumpStudy, TheStartThatCostsLeastNeedNotLeadToTheBestFitOfTheOutletPressure
   EXPECT_GT(PumpFit(fit), 98);
 }
 
+/// Steps of the flow move this pump's pressure from one revolution to the next by more than its noise: for noise they are taken
+/// before there is a fit, and the first start, which hardly moves, leaves less than that.
+TEST(PumpStudy, WhatMovesFasterThanReadingsIsNoNoiseThatEndsTheSearch) {
+  const StateFit fit = OutletFit(OutletEpisode(5210, 12));
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_GT(PumpFit(fit), 98);
+}
+
 TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
   const Episode episode = OutletEpisode(20);
   const StateFit fit = OutletFit(episode);
@@ -112,6 +121,25 @@ TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
   const auto fit = FitEpisodes(std::move(log));
   ASSERT_TRUE(fit) << fit.error().text;
   EXPECT_TRUE(fit->noise_alone());
+}
+
+TEST(PumpStudy, OfALogWithoutRippleItIsSaidThatTheShareOfItPlaysNoPart) {
+  PumpOptions options;
+  options.seconds = 4;
+  options.ripple = 0;
+  EpisodeLog log;
+  log.machine = PumpFile(true);
+  log.episodes = {PumpEpisode(SimulatePump(options), log.machine)};
+  const auto fit = FitEpisodes(std::move(log));
+  ASSERT_TRUE(fit) << fit.error().text;
+  const std::vector<Told> warnings = FitWarnings(*fit);
+  const auto said = [&](const char* words) {
+    return std::ranges::any_of(
+        warnings, [&](const Told& told) { return told.english.find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("no ripple that repeats with the shaft: R_p plays no part"));
+  EXPECT_FALSE(said("nothing in these data depends on"));
+  EXPECT_FALSE(said("vary the load flow"));
 }
 
 TEST(PumpRules, WatchParametersThatThePumpHas) {

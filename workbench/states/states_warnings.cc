@@ -7,6 +7,7 @@
 
 #include "core/short_number.h"
 #include "diagnosis/states/search_sentences.h"
+#include "estimation/states/unseen_ripple.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -38,6 +39,14 @@ Told UnseenText(const UnseenDirection& unseen) {
   }
   return Tell("the data do not see {}: nothing that is measured changes",
               "die Daten sehen nicht: {}; nichts Gemessenes ändert sich", parts);
+}
+
+/// Of a parameter that acts by a ripple alone, in a record that has none.
+Told NoRippleText(const UnseenDirection& unseen) {
+  return Tell(
+      "this log holds no ripple that repeats with the shaft: {} plays no part in it",
+      "diese Aufzeichnung enthält keine Pulsation, die sich mit der Welle wiederholt: {} spielt darin keine Rolle",
+      unseen.parts.front().first);
 }
 
 std::string PerCents(const std::vector<double>& shares) {
@@ -72,9 +81,14 @@ Told SlowText(const Told& consequence) {
 
 std::vector<Told> FitWarnings(const StatesFit& fit) {
   std::vector<Told> warnings = fit.log.warnings;
-  for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
+  bool vary = false;
+  for (const UnseenDirection& unseen : fit.fit.unseen) {
+    const bool ripple = OnlyRippleShows(*fit.fit.model, unseen);
+    warnings.push_back(ripple ? NoRippleText(unseen) : UnseenText(unseen));
+    vary = vary || !ripple;
+  }
   if (!fit.told_together.parameters.empty()) warnings.push_back(ToldTogetherText(fit.told_together));
-  if (!fit.fit.unseen.empty())
+  if (vary)
     warnings.push_back(Tell("to see what these data do not, vary {}",
                             "um zu sehen, was diese Daten nicht zeigen, variieren: {}",
                             WordsOf(fit.log.machine).vary));
