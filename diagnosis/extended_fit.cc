@@ -359,7 +359,6 @@ void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) c
     operations.push_back({s.of->log, (square / std::max(1.0, s.of->windows)).cwiseSqrt()});
   }
   fit.clusters = FindStrokeClusters(equations, operations, fit.theta);
-  if (fit.clusters.unit == ClusterUnit::kStroke) return;
   const Eigen::MatrixXd plain =
       JackknifeCovariance(ReplicasWithoutClusters(equations, SingleStrokes(equations.size())));
   if (plain.rows() != fit.covariance.rows()) return;

@@ -79,9 +79,16 @@ Eigen::VectorXd DerivedVariance(const ModelStructure& model, const Eigen::Matrix
 /// Stds of the physical parameters by leaving out single strokes (`replicas`) or `clusters`, whichever is
 /// wider, with Student's t in them.
 Eigen::VectorXd DerivedStd(const ModelStructure& model, std::span<const NormalEquations> strokes,
-                           const StrokeClusters& clusters, const Eigen::MatrixXd& replicas) {
+                           const std::vector<DerivedParameter>& derived, const StrokeClusters& clusters,
+                           const Eigen::MatrixXd& replicas) {
+  Eigen::MatrixXd gradients(replicas.rows(), static_cast<Eigen::Index>(derived.size()));
+  for (std::size_t i = 0; i < derived.size(); ++i)
+    gradients.col(static_cast<Eigen::Index>(i)) = derived[i].gradient;
   const Eigen::VectorXd single =
-      DerivedVariance(model, replicas).cwiseSqrt() * StudentFactor(static_cast<double>(strokes.size()) - 1);
+      DerivedVariance(model, replicas)
+          .cwiseSqrt()
+          .cwiseProduct(
+              StrokesThatTell(strokes, gradients).unaryExpr([](double n) { return StudentFactor(n - 1); }));
   if (clusters.unit == ClusterUnit::kStroke) return single;
   const Eigen::MatrixXd grouped = ReplicasWithoutClusters(strokes, clusters);
   if (grouped.size() == 0) return single;
@@ -297,7 +304,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
 
   fit.clusters = ClustersOf(strokes, integral, columns, fit.theta);
   fit.covariance = WidenedCovariance(integral, fit.clusters, JackknifeCovariance(replicas));
-  const Eigen::VectorXd stds = DerivedStd(model, integral, fit.clusters, replicas);
+  const Eigen::VectorXd stds = DerivedStd(model, integral, derived, fit.clusters, replicas);
   const Eigen::VectorXd excitation = Excitation(total.h);
   const std::vector<int> own = OwnParameters(derived, fit.theta);
   const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;

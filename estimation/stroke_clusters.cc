@@ -19,8 +19,9 @@ constexpr int kLeastGroups = 3;       ///< of operating points and times; two lo
 constexpr int kMostEqualGroups = 8;   ///< where the values of a level do not lie together
 constexpr int kSignDraws = 199;       ///< Davidson and MacKinnon 2000: 5 % of 199 + 1 is a whole number
 constexpr double kFalseAlarm = 0.05;  ///< of independent strokes: it only widens
-constexpr double kGap = 0.05;    ///< between values that do not lie together, relative to their range ...
-constexpr double kMoved = 0.01;  ///< ... if the range is more than this of their size
+constexpr double kGap = 0.05;  ///< between values that do not lie together, relative to their range ...
+constexpr double kFewestThatTell = 2;  ///< one by itself has no scatter, and no interval
+constexpr double kMoved = 0.01;        ///< ... if the range is more than this of their size
 
 using Order = std::vector<std::size_t>;
 
@@ -235,8 +236,8 @@ Eigen::VectorXd StandsOutBy(const Eigen::MatrixXd& measured, const std::vector<E
 }
 
 /// What few groups add to an interval beside many strokes.
-double FewGroups(int groups, std::size_t strokes) {
-  return StudentFactor(groups - 1.0) / StudentFactor(static_cast<double>(strokes) - 1.0);
+double FewGroups(double groups, std::size_t strokes) {
+  return StudentFactor(groups - 1) / StudentFactor(static_cast<double>(strokes) - 1);
 }
 
 }  // namespace
@@ -279,6 +280,21 @@ Eigen::MatrixXd ReplicasWithoutClusters(std::span<const NormalEquations> strokes
   return replicas;
 }
 
+Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const Eigen::MatrixXd& directions) {
+  Eigen::VectorXd scale;
+  const std::vector<NormalEquations> scaled = ScaledEquations(strokes, scale);
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(scale.size(), scale.size());
+  for (const NormalEquations& s : scaled) total += s.h;
+  const Eigen::MatrixXd w = total.completeOrthogonalDecomposition().solve(scale.asDiagonal() * directions);
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(directions.cols()), squares = sum;
+  for (const NormalEquations& s : scaled) {
+    const Eigen::ArrayXd share = w.cwiseProduct(s.h * w).colwise().sum().transpose().array().max(0.0);
+    sum += share;
+    squares += share.square();
+  }
+  return (sum.square() / squares.max(1e-300)).max(kFewestThatTell).matrix();
+}
+
 Eigen::MatrixXd JackknifeCovariance(const Eigen::MatrixXd& replicas) {
   const double count = static_cast<double>(replicas.cols());
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
@@ -312,7 +328,14 @@ StrokeClusters FindStrokeClusters(std::span<const NormalEquations> strokes,
 }
 
 Eigen::MatrixXd WidenedCovariance(std::span<const NormalEquations> strokes, const StrokeClusters& clusters,
-                                  const Eigen::MatrixXd& by_stroke) {
+                                  const Eigen::MatrixXd& alike) {
+  if (strokes.size() < 2) return alike;
+  const Eigen::Index n = alike.rows();
+  const Eigen::VectorXd few_tell =
+      StrokesThatTell(strokes, Eigen::MatrixXd::Identity(n, n)).unaryExpr([&](double tell) {
+        return FewGroups(tell, strokes.size());
+      });
+  const Eigen::MatrixXd by_stroke = few_tell.asDiagonal() * alike * few_tell.asDiagonal();
   if (clusters.unit == ClusterUnit::kStroke) return by_stroke;
   const Eigen::MatrixXd replicas = ReplicasWithoutClusters(strokes, clusters);
   if (replicas.size() == 0) return by_stroke;

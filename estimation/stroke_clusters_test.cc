@@ -101,6 +101,38 @@ TEST(StrokeClusters, IntervalsHoldTheTruthWhereThoseByStrokeDoNot) {
   EXPECT_GE(independent, 184);
 }
 
+/// Strokes of y = 2 x + noise; three of twenty have nearly all of x.
+TEST(StrokeClusters, WhereAFewStrokesTellMostIntervalsGoByThose) {
+  constexpr int kSets = 400, kStrokes = 20, kTelling = 3;
+  const double reach = kNormal95 * StudentFactor(kStrokes - 1);
+  int alike = 0, held = 0;
+  for (std::uint64_t seed = 0; seed < kSets; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<NormalEquations> strokes;
+    NormalEquations total;
+    for (int s = 0; s < kStrokes; ++s) {
+      const double x = s < kTelling ? 2 : 0.1;
+      NormalEquations e{Eigen::MatrixXd::Zero(1, 1), Eigen::VectorXd::Zero(1), 0, 0};
+      for (int row = 0; row < 20; ++row) {
+        e.h(0, 0) += x * x;
+        e.g[0] += x * (2 * x + normal(random));
+        e.equations += 1;
+      }
+      total += e;
+      strokes.push_back(e);
+    }
+    const StrokeClusters single = SingleStrokes(kStrokes);
+    const Eigen::MatrixXd jackknife = JackknifeCovariance(ReplicasWithoutClusters(strokes, single));
+    const double error = std::abs(SolveNormalEquations(total)[0] - 2);
+    alike += error <= reach * std::sqrt(jackknife(0, 0));
+    held += error <= reach * std::sqrt(WidenedCovariance(strokes, single, jackknife)(0, 0));
+    EXPECT_NEAR(StrokesThatTell(strokes, Eigen::MatrixXd::Identity(1, 1))[0], 3.1, 0.1);
+  }
+  EXPECT_LT(alike, 0.9 * kSets);
+  EXPECT_GE(held, 0.94 * kSets);
+}
+
 TEST(StrokeClusters, FewStrokesAreNotGrouped) {
   EXPECT_EQ(Runs(Runs::Share::kLevel, 1, 7).Find().unit, ClusterUnit::kStroke);
 }
