@@ -154,42 +154,35 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
       if (pair.gain > options_.LeastGain()) pairs.push_back(std::move(pair));
     }
   };
-  std::vector<EffectChoice> firsts = PairFirsts(ranking);
-  for (std::size_t tried = 0; tried < firsts.size();) {
-    for (; tried < firsts.size(); ++tried) pair_with(firsts[tried]);
-    if (pairs.empty()) return std::nullopt;
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
-      if (x.lawful != y.lawful) return x.lawful;
-      return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
-    });
-    // Beside an effect that says little by itself, too, every other one is tried: the first may have rivals there.
-    const EffectChoice second = pairs.front().model.choices.back();
-    if (std::ranges::none_of(firsts, [&](const EffectChoice& c) { return c.effect == second.effect; }))
-      std::ranges::copy(ShapesToTry(second), std::back_inserter(firsts));
-  }
+  const std::vector<EffectChoice> firsts = PairFirsts(ranking);
+  for (const EffectChoice& choice : firsts) pair_with(choice);
   if (pairs.empty()) return std::nullopt;
-  const Pair& best = pairs.front();
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
+    if (x.lawful != y.lawful) return x.lawful;
+    return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
+  });
+  const Pair best = std::move(pairs.front());
+  pairs.erase(pairs.begin());
+  // An effect that says little by itself is no first: what may stand in the place of its partner is tried beside it.
+  if (std::ranges::none_of(firsts, [&](const EffectChoice& c) { return c.effect == best.effect[1]; }))
+    for (const EffectChoice& choice : ShapesToTry(best.model.choices.back())) pair_with(choice);
   const double whole_gain = ranking_.Gain(start_.fit, best.model.fit);
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
                    {strokes_.model().effects[best.effect[1]]->id}};
-  // A rival pair of which one effect may be the one of the best pair offers its other effect in the place of the best pair's other.
-  const auto offers = [&](const Pair& pair, int mine, int theirs) {
-    const std::string& other = strokes_.model().effects[pair.effect[theirs]]->id;
-    return Contains(groups[1 - mine], strokes_.model().effects[pair.effect[1 - theirs]]->id) &&
-           !Contains(groups[mine], other) && !ranking_.IsConfirmed(best.effect[mine]) &&
-           ranking_.StaysBeside({pair.effect[theirs], &pair.model.fit, pair.gain},
-                                {best.effect[mine], &best.model.fit, best.gain}, whole_gain);
-  };
-  for (std::size_t count = 0; count != groups[0].size() + groups[1].size();) {
-    count = groups[0].size() + groups[1].size();
-    for (const Pair& pair : std::span(pairs).subspan(1)) {
-      if (std::ranges::any_of(pair.model.fit.effects, [&](const auto& e) { return ranking_.IsRefuted(e); }))
-        continue;
-      for (const int mine : {0, 1})
-        for (const int theirs : {0, 1})
-          if (offers(pair, mine, theirs))
-            groups[mine].push_back(strokes_.model().effects[pair.effect[theirs]]->id);
-    }
+  // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other one.
+  for (const Pair& pair : pairs) {
+    const ExtendedFit& fit = pair.model.fit;
+    if (std::ranges::any_of(fit.effects, [&](const EffectEstimate& e) { return ranking_.IsRefuted(e); }))
+      continue;
+    for (int mine = 0; mine < 2; ++mine)
+      for (int theirs = 0; theirs < 2; ++theirs) {
+        if (pair.effect[1 - theirs] != best.effect[1 - mine] || ranking_.IsConfirmed(best.effect[mine]))
+          continue;
+        const std::string& other = strokes_.model().effects[pair.effect[theirs]]->id;
+        const bool stays = ranking_.StaysBeside({pair.effect[theirs], &fit, pair.gain},
+                                                {best.effect[mine], &best.model.fit, best.gain}, whole_gain);
+        if (stays && !Contains(groups[mine], other)) groups[mine].push_back(other);
+      }
   }
   return std::make_pair(best.model, groups);
 }

@@ -86,8 +86,8 @@ class StrokeSet {
   /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.
   ExtendedFit Fit(std::span<const EffectChoice> choices) const;
 
-  /// Where strokes hang together, or few of them tell most (estimation/stroke_clusters.h), widens covariance and effects' std of
-  /// a fit of base + `choices`. For intervals that are shown; the search weighs by strokes.
+  /// Where strokes hang together, or few of them tell most (estimation/stroke_clusters.h), widens covariance and
+  /// effects' std of a fit of base + `choices`. For intervals that are shown; the search weighs by strokes.
   void Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) const;
 
   const ModelStructure& model() const { return *model_; }

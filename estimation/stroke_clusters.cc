@@ -19,9 +19,9 @@ constexpr int kLeastGroups = 3;       ///< of operating points and times; two lo
 constexpr int kMostEqualGroups = 8;   ///< where the values of a level do not lie together
 constexpr int kSignDraws = 199;       ///< Davidson and MacKinnon 2000: 5 % of 199 + 1 is a whole number
 constexpr double kFalseAlarm = 0.05;  ///< of independent strokes: it only widens
-constexpr double kGap = 0.05;  ///< between values that do not lie together, relative to their range ...
+constexpr double kGap = 0.05;    ///< between values that do not lie together, relative to their range ...
+constexpr double kMoved = 0.01;  ///< ... if the range is more than this of their size
 constexpr double kFewestThatTell = 2;  ///< one by itself has no scatter, and no interval
-constexpr double kMoved = 0.01;        ///< ... if the range is more than this of their size
 
 using Order = std::vector<std::size_t>;
 

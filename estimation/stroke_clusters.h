@@ -45,9 +45,9 @@ Eigen::MatrixXd ReplicasWithoutClusters(std::span<const NormalEquations> strokes
 /// Covariance of replicas by the delete-a-group jackknife, (G - 1)/G sum (r - mean)(r - mean)'.
 Eigen::MatrixXd JackknifeCovariance(const Eigen::MatrixXd& replicas);
 
-/// As how many strokes that are alike these tell of combinations of parameters (`directions`, one per column), of which a few may
-/// tell most: (sum c)^2 / sum c^2 of the shares c that strokes have in the variance (Satterthwaite 1946; of groups Bell and
-/// McCaffrey 2002). Leaving out one at a time shows a variance no better known than that of so few strokes.
+/// As how many strokes that are alike these tell of combinations of parameters (`directions`, one per column), of which
+/// a few may tell most: (sum c)^2 / sum c^2 of the shares c that strokes have in the variance (Satterthwaite 1946; of
+/// groups Bell and McCaffrey 2002). Leaving out one at a time shows a variance no better known than that of so few.
 Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const Eigen::MatrixXd& directions);
 
 /// Groups in which the strokes' errors hang together, kStroke if nothing speaks against their independence.
@@ -61,8 +61,9 @@ Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const 
 StrokeClusters FindStrokeClusters(std::span<const NormalEquations> strokes,
                                   std::span<const StrokeOperation> operations, const Eigen::VectorXd& theta);
 
-/// Covariance `alike` by strokes, widened where few of them tell most of a parameter (StrokesThatTell), or where groups give more: `clusters`
-/// as FindStrokeClusters gave them. Made for Student's t of strokes - 1 degrees of freedom: what fewer have more is in it.
+/// Covariance `alike` by strokes, widened where few of them tell most of a parameter (StrokesThatTell), or where groups
+/// give more: `clusters` as FindStrokeClusters gave them. Made for Student's t of strokes - 1 degrees of freedom: what
+/// fewer have more is in it.
 Eigen::MatrixXd WidenedCovariance(std::span<const NormalEquations> strokes, const StrokeClusters& clusters,
                                   const Eigen::MatrixXd& alike);
 

@@ -1,5 +1,5 @@
-// Limits of [monitor.*] and loss of signals, which need no reference: judged before the healthy machine is learned, while it is,
-// and after.
+// Limits of [monitor.*] and loss of signals, which need no reference: judged before the healthy machine is learned,
+// while it is being learned, and after.
 #include "monitor/press_monitor_fixture.h"
 
 namespace hydroscope {

@@ -110,15 +110,19 @@ TEST(PumpStudy, ThatOutletPressureAloneDoesNotTellParametersToHalfAPerCentIsSaid
   EXPECT_FALSE(together.sensors.empty());
 }
 
+Result<StatesFit> FitOf(const PumpOptions& options) {
+  EpisodeLog log;
+  log.machine = PumpFile(true);
+  log.episodes = {PumpEpisode(SimulatePump(options), log.machine)};
+  return FitEpisodes(std::move(log));
+}
+
 TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
   PumpOptions
       options;  // as `simulate pump --seed 7`: over the whole log functions predict 7 % of what is left, by chance
   options.seconds = 6;
   options.seed = 7;
-  EpisodeLog log;
-  log.machine = PumpFile(true);
-  log.episodes = {PumpEpisode(SimulatePump(options), log.machine)};
-  const auto fit = FitEpisodes(std::move(log));
+  const auto fit = FitOf(options);
   ASSERT_TRUE(fit) << fit.error().text;
   EXPECT_TRUE(fit->noise_alone());
 }
@@ -127,10 +131,7 @@ TEST(PumpStudy, OfALogWithoutRippleItIsSaidThatTheShareOfItPlaysNoPart) {
   PumpOptions options;
   options.seconds = 4;
   options.ripple = 0;
-  EpisodeLog log;
-  log.machine = PumpFile(true);
-  log.episodes = {PumpEpisode(SimulatePump(options), log.machine)};
-  const auto fit = FitEpisodes(std::move(log));
+  const auto fit = FitOf(options);
   ASSERT_TRUE(fit) << fit.error().text;
   const std::vector<Told> warnings = FitWarnings(*fit);
   const auto said = [&](const char* words) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "core/effect_units.h"
 #include "core/unit_told.h"
 
@@ -23,7 +24,7 @@ double SecondsOf(const ExplainResult& result) {
 /// Whether something else may as well have been found in its place.
 bool HasRivals(const ExplainResult& result, const std::string& id) {
   return std::ranges::any_of(result.explanation.groups, [&](const std::vector<std::string>& group) {
-    return group.size() > 1 && std::ranges::find(group, id) != group.end();
+    return group.size() > 1 && Contains(group, id);
   });
 }
 
