@@ -280,6 +280,10 @@ Eigen::MatrixXd ReplicasWithoutClusters(std::span<const NormalEquations> strokes
   return replicas;
 }
 
+double AlikeStrokes(double sum_of_shares, double sum_of_squares) {
+  return std::max(sum_of_shares * sum_of_shares / std::max(sum_of_squares, 1e-300), kFewestThatTell);
+}
+
 Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const Eigen::MatrixXd& directions) {
   Eigen::VectorXd scale;
   const std::vector<NormalEquations> scaled = ScaledEquations(strokes, scale);
@@ -292,7 +296,7 @@ Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const 
     sum += share;
     squares += share.square();
   }
-  return (sum.square() / squares.max(1e-300)).max(kFewestThatTell).matrix();
+  return sum.binaryExpr(squares, &AlikeStrokes).matrix();
 }
 
 Eigen::MatrixXd JackknifeCovariance(const Eigen::MatrixXd& replicas) {

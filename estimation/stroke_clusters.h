@@ -50,6 +50,9 @@ Eigen::MatrixXd JackknifeCovariance(const Eigen::MatrixXd& replicas);
 /// groups Bell and McCaffrey 2002). Leaving out one at a time shows a variance no better known than that of so few.
 Eigen::VectorXd StrokesThatTell(std::span<const NormalEquations> strokes, const Eigen::MatrixXd& directions);
 
+/// The same of shares whose sum and sum of squares are known; at least two, as one by itself has no scatter.
+double AlikeStrokes(double sum_of_shares, double sum_of_squares);
+
 /// Groups in which the strokes' errors hang together, kStroke if nothing speaks against their independence.
 /// Groups tried: logs, operating points (values of each level that lie together, else equally many of
 /// neighbouring values), times (blocks of consecutive strokes of a log). Each is tried on each parameter: the

@@ -74,7 +74,7 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
     {"<sodium.h>", {"page/access/"}},
-    {"<CLI/", {"cli/", "workbench/history/history_options", "live/", "host/"}},
+    {"<CLI/", {"cli/", "workbench/history/history_options"}},
 };
 const std::vector<Reserved> kReservedWords = {
     {"steady_clock", {"host/", "live/", "studies/", "cli/"}},

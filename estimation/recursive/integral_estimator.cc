@@ -7,6 +7,7 @@
 
 #include "core/non_negative.h"
 #include "estimation/decompositions.h"
+#include "estimation/stroke_clusters.h"
 
 namespace hydroscope {
 namespace {
@@ -184,7 +185,7 @@ Eigen::VectorXd IntegralEstimator::theta() const {
 
 IntegralEstimator::Weighted IntegralEstimator::Weigh(const Eigen::VectorXd& theta) const {
   const int n = model_->base_count;
-  Weighted sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), 0};
+  Weighted sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), {}, 0};
   double age = 0, weights = 0, squares = 0;
   for (const Recent& stroke : recent_) {  // newest first
     const double weight = std::pow(memory_, age);
@@ -193,6 +194,7 @@ IntegralEstimator::Weighted IntegralEstimator::Weigh(const Eigen::VectorXd& thet
         weight * (stroke.raw.g - stroke.noise.g - (stroke.raw.h - stroke.noise.h) * theta);
     sum.h += weight * stroke.raw.h;
     sum.meat += score * score.transpose();
+    sum.weights.push_back(weight);
     weights += weight;
     squares += weight * weight;
   }
@@ -255,6 +257,17 @@ double IntegralEstimator::OwnStd(const DerivedParameter& parameter, int own_regr
   return std::sqrt(NonNegative(promised)) * noise_ / signal_share;
 }
 
+double IntegralEstimator::StrokesThatTellOf(const Eigen::VectorXd& bread, const Weighted& recent) const {
+  double sum = 0, squares = 0;
+  for (std::size_t s = 0; s < recent_.size(); ++s) {
+    const double share =
+        recent.weights[s] * recent.weights[s] * NonNegative(bread.dot(recent_[s].raw.h * bread));
+    sum += share;
+    squares += share * share;
+  }
+  return AlikeStrokes(sum, squares);
+}
+
 Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const Weighted& recent,
                                      const Eigen::MatrixXd& covariance, double own_std) const {
   const Eigen::VectorXd& gradient = parameter.gradient;
@@ -264,7 +277,7 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
     const Eigen::VectorXd bread = SymmetricFactor(recent.h).Solve(gradient);
     const double small_sample = recent.strokes / (recent.strokes - 1);
     scattered = std::sqrt(NonNegative(bread.dot(recent.meat * bread)) * small_sample) *
-                StudentFactor(recent.strokes - 1);
+                StudentFactor(StrokesThatTellOf(bread, recent) - 1);
   } else {
     scattered = 2.0 * promised;  // one or two strokes do not show how strokes scatter
   }

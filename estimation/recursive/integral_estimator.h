@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "estimation/gram_fit.h"
 #include "estimation/recursive/information_filter.h"
@@ -43,7 +44,8 @@ class IntegralEstimator : public StrokeEstimator {
   /// Recent strokes summed with the weights that forgetting leaves them.
   struct Weighted {
     Eigen::MatrixXd h, meat;
-    double strokes = 0;  ///< effective number
+    std::vector<double> weights;  ///< newest first, as recent_
+    double strokes = 0;           ///< effective number
   };
   using Small = InformationFilter::Matrix;
   /// Augmented Gram (base regressors, then output) of `count` equations and the sensor noise's share of it.
@@ -71,6 +73,8 @@ class IntegralEstimator : public StrokeEstimator {
   /// Orthonormal basis of the directions that stand out of the sensor noise.
   static Small ExcitedDirections(const Share& stroke);
   Weighted Weigh(const Eigen::VectorXd& theta) const;
+  /// As how many strokes that are alike the recent ones tell of what `bread` takes from their scores (StrokesThatTell).
+  double StrokesThatTellOf(const Eigen::VectorXd& bread, const Weighted& recent) const;
   Estimate Describe(const DerivedParameter& parameter, const Weighted& recent,
                     const Eigen::MatrixXd& covariance, double own_std) const;
   /// Std of a parameter from one stroke alone; infinite if its regressor is no more than sensor noise there.
