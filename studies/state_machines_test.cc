@@ -8,6 +8,7 @@
 
 #include "diagnosis/states/held_out_run.h"
 #include "workbench/states/states_output.h"
+#include "workbench/states/states_warnings.h"
 
 namespace hydroscope {
 namespace {
@@ -125,8 +126,7 @@ TEST(StateMachines, ALongLogIsSearchedInPieces) {
 /// imitated by two effects together, one by a leak in short runs alone, one that spills by one that does not, one by a leak about
 /// whose fit little of it shows.
 TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
-  for (const auto& [seed, number] :
-       {std::pair(53, 19), {53, 165}, {4411, 19}, {77123, 115}, {90817, 67}, {771603, 67}}) {
+  for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {77123, 115}, {90817, 67}, {771603, 67}}) {
     StateMachinesOptions options;
     options.seed = static_cast<std::uint32_t>(seed);
     const StateMachineOutcome outcome = RunCase(number, options);
@@ -251,25 +251,27 @@ TEST(StateMachines, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
   Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
   EpisodeLog log;
   log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 1000}), machine)};
+  const auto told_once = [](const std::vector<Told>& warnings) {
+    return std::ranges::count_if(warnings, [](const Told& warning) {
+             return warning.english.find("hold = \"zero\"") != std::string::npos;
+           }) == 1;
+  };
+  machine.log.hold = InputHold::kLinear;
+  log.machine = machine;
+  const auto explained = ExplainReadEpisodes(log);
+  ASSERT_TRUE(explained) << explained.error().text;
+  EXPECT_EQ(explained->explanation.verdict, Verdict::kNamed);
+  EXPECT_EQ(explained->log.machine.log.hold, InputHold::kZero);
+  EXPECT_TRUE(told_once(explained->log.warnings));
   for (const InputHold hold : {InputHold::kLinear, InputHold::kSmooth}) {
     const bool found = hold == InputHold::kLinear;
     machine.log.hold = hold;
-    machine.added_effects.clear();
+    machine.added_effects = {"cubic"};
     log.machine = machine;
-    const auto explained = ExplainReadEpisodes(log);
-    ASSERT_TRUE(explained) << explained.error().text;
-    EXPECT_EQ(explained->explanation.verdict, found ? Verdict::kNamed : Verdict::kUnknown);
-    EXPECT_EQ(explained->log.machine.log.hold, found ? InputHold::kZero : hold);
-    const auto& told = explained->log.warnings;
-    EXPECT_EQ(std::count_if(told.begin(), told.end(),
-                            [](const Told& warning) {
-                              return warning.english.find("hold = \"zero\"") != std::string::npos;
-                            }),
-              1);
-    log.machine.added_effects = {"cubic"};
     const auto fit = FitEpisodes(log);
     ASSERT_TRUE(fit) << fit.error().text;
     EXPECT_EQ(fit->log.machine.log.hold, found ? InputHold::kZero : hold);
+    EXPECT_TRUE(told_once(FitWarnings(*fit)));
     EXPECT_EQ(fit->left.structured, !found);
   }
 }

@@ -24,6 +24,7 @@ double PeakMemory() {
 /// A machine of the user's own with as many parameters as a balance may have.
 class LargeModel : public CommandLine {
  protected:
+  static constexpr int kRows = 12'000;
   static double Truth(int term) { return 1 + 0.1 * term; }
 
   /// U = sum of Truth(k) x_k, each x_k a sine of its own.
@@ -34,7 +35,7 @@ class LargeModel : public CommandLine {
     out << "t,U,g" << std::setprecision(9);
     for (int k = 0; k < terms; ++k) out << ",x" << k;
     out << '\n';
-    for (int row = 0; row < 30'000; ++row) {
+    for (int row = 0; row < kRows; ++row) {
       const double t = 0.002 * row;
       double u = 1e-3 * normal(random);
       std::string signals;

@@ -208,9 +208,15 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
       ++diverged;
       continue;
     }
+    // Of an output that moves faster than its readings the noise is at most so much: what is left must be white as well. Where
+    // the cost is flat a start stops short of that, and is fitted to the end before it is judged.
+    const bool quiet = 2 * point.cost <= options.at_noise * readings;
+    white = quiet && LeavesWhite(task, point);
+    if (quiet && !white && !SeesMuch(*task.model))
+      white = shooting::Minimise(task, shooting::WholeEpisodes(task.episodes), options.iterations,
+                                 options.tolerance, false, point) &&
+              LeavesWhite(task, point);
     least = std::min(least, point.cost);
-    // Of an output that moves faster than its readings the noise is at most so much: what is left must be white as well.
-    white = 2 * point.cost <= options.at_noise * readings && LeavesWhite(task, point);
     const auto same = std::ranges::find_if(reached, [&](const Reached& r) {
       return std::abs(r.minimum.cost - point.cost) <=
              options.same_minimum * std::min(r.minimum.cost, point.cost);

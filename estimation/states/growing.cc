@@ -107,7 +107,7 @@ class GrowingFit {
     const double largest = here.hessian.diagonal().head(parameters()).maxCoeff();
     double damping = first * largest;
     for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
-      const auto next = Stepped(here, damping);
+      const auto next = Stepped(here, damping, damping / largest);
       if (!next) {
         damping *= kMore;
         continue;
@@ -130,15 +130,16 @@ class GrowingFit {
     return true;
   }
 
-  /// The damped step, within the ranges; nothing if it is too long to be trusted.
-  std::optional<shooting::Point> Stepped(const HorizonSums& at, double damping) const {
+  /// The damped step, within the ranges; nothing if it is too long to be trusted. Initial states are damped by `share` of their own
+  /// curvature: where their step alone is too long, no damping of the parameters would make it one that helps.
+  std::optional<shooting::Point> Stepped(const HorizonSums& at, double damping, double share) const {
     constexpr double kLongest = 1;        // of a parameter on its scale
-    constexpr double kStateShare = 1e-9;  // initial states are damped by their own curvature alone
+    constexpr double kStateShare = 1e-9;  // at least
     const int n = parameters();
     Eigen::MatrixXd matrix = at.hessian;
     Eigen::VectorXd gradient = at.gradient;
     for (int i = 0; i < unknowns(); ++i)
-      matrix(i, i) += i < n ? damping : kStateShare * matrix(i, i) + 1e-300;
+      matrix(i, i) += i < n ? damping : std::max(kStateShare, share) * matrix(i, i) + 1e-300;
     for (int p = 0; p < n; ++p) {  // what would leave its range stays
       const auto i = static_cast<std::size_t>(p);
       if (!((point_.q[i] <= task_.scale.low(i) && gradient[p] > 0) ||

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   PumpOptions options = RandomPump(4);
-  options.seconds = 6;
+  options.seconds = 4;
   const PumpCase c = FitPump(options);
   EXPECT_GT(c.ripple, 5e4);
   EXPECT_LT(c.ripple_left, 0.02 * c.ripple);
@@ -33,7 +34,7 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
 /// Pistons of this pump that are not quite alike move its spool once per revolution, all the more while the flow steps.
 TEST(PumpStudy, RippleThatMovesTheSpoolBendsNoParameter) {
   PumpOptions options = RandomPump(171);
-  options.seconds = 12;
+  options.seconds = 6;
   const Machine machine = PumpFile(true);
   const auto model = BuildStateModel(machine, {});
   ASSERT_TRUE(model) << model.error().text;
@@ -46,7 +47,7 @@ TEST(PumpStudy, RippleThatMovesTheSpoolBendsNoParameter) {
 }
 
 /// Some seconds of a random pump of which the outlet pressure alone is measured.
-Episode OutletEpisode(std::uint64_t seed, double seconds = 8) {
+Episode OutletEpisode(std::uint64_t seed, double seconds) {
   PumpOptions options = RandomPump(seed);
   options.seconds = seconds;
   return PumpEpisode(SimulatePump(options), PumpFile(false));
@@ -57,57 +58,26 @@ StateFit OutletFit(const Episode& episode) {
   return FitStates(*model, std::span(&episode, 1));
 }
 
-TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
-  const Episode episode = OutletEpisode(41, 4);
-  const StateFit fit = OutletFit(episode);
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  EXPECT_GT(fit.minima.size(), 1);
-  EXPECT_GT(PumpFit(fit), 98);
+/// Initial states that the outlet pressure tells little of were stepped too far at whatever damping of the parameters, and no start
+/// moved; where the cost is flat one stops short of the noise, of which steps of the flow hide how small it is.
+TEST(PumpStudy, OutletPressureAloneIsFittedFromTheFirstStart) {
+  for (const std::uint64_t seed : {41, 161, 5210}) {
+    const StateFit fit = OutletFit(OutletEpisode(seed, 4));
+    ASSERT_TRUE(fit.solved()) << seed << ": " << fit.failed.english;
+    EXPECT_EQ(fit.starts_tried, 1) << seed;
+    EXPECT_GT(PumpFit(fit), 98) << seed;
+  }
 }
 
-TEST(PumpStudy, StartsThatBeginCloseToOneAnotherDoNotSettleOnAWrongMinimumOfTheOutletPressure) {
-  const Episode episode = OutletEpisode(161, 12);
-  const StateFit fit = OutletFit(episode);
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  EXPECT_GT(fit.starts_tried, 2);
-  EXPECT_GT(PumpFit(fit), 98);
-}
-
-/// Of this pump's starts the one that costs least stops short where the cost is flat, far from the minimum that others lead to.
-TEST(PumpStudy, TheStartThatCostsLeastNeedNotLeadToTheBestFitOfTheOutletPressure) {
-  const StateFit fit = OutletFit(OutletEpisode(177, 12));
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  EXPECT_GT(PumpFit(fit), 98);
-}
-
-/// Steps of the flow move this pump's pressure from one revolution to the next by more than its noise: for noise they are taken
-/// before there is a fit, and the first start, which hardly moves, leaves less than that.
-TEST(PumpStudy, WhatMovesFasterThanReadingsIsNoNoiseThatEndsTheSearch) {
-  const StateFit fit = OutletFit(OutletEpisode(5210, 12));
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  EXPECT_GT(PumpFit(fit), 98);
-}
-
-TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
-  const Episode episode = OutletEpisode(20);
-  const StateFit fit = OutletFit(episode);
-  ASSERT_TRUE(fit.solved()) << fit.failed.english;
-  const ToldTogether together = FindToldTogether(fit, std::span(&episode, 1));
-  ASSERT_GE(together.parameters.size(), 2u);
-  EXPECT_EQ(together.parameters[0], "K_v");
-  EXPECT_EQ(together.parameters[1], "K_q");
-  EXPECT_TRUE(std::ranges::any_of(
-      together.sensors, [](const MissingSensor& sensor) { return sensor.signal == "control_position"; }));
-}
-
-/// Of pumps whose sensors halve errors, not more, it was not said before.
-TEST(PumpStudy, ThatOutletPressureAloneDoesNotTellParametersToHalfAPerCentIsSaid) {
+/// Sensors of the control chamber halve this pump's errors, not more.
+TEST(PumpStudy, WhatOutletPressureAloneTellsTogetherIsSaidWithTheSensorThatWouldTellIt) {
   const Episode episode = OutletEpisode(170, 12);
   const StateFit fit = OutletFit(episode);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const ToldTogether together = FindToldTogether(fit, std::span(&episode, 1));
-  EXPECT_GE(together.parameters.size(), 2u);
-  EXPECT_FALSE(together.sensors.empty());
+  EXPECT_THAT(together.parameters, testing::IsSupersetOf({"K_v", "K_q"}));
+  EXPECT_TRUE(std::ranges::any_of(
+      together.sensors, [](const MissingSensor& sensor) { return sensor.signal == "control_position"; }));
 }
 
 Result<StatesFit> FitOf(const PumpOptions& options) {
@@ -129,7 +99,7 @@ TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
 
 TEST(PumpStudy, OfALogWithoutRippleItIsSaidThatTheShareOfItPlaysNoPart) {
   PumpOptions options;
-  options.seconds = 4;
+  options.seconds = 2;
   options.ripple = 0;
   const auto fit = FitOf(options);
   ASSERT_TRUE(fit) << fit.error().text;
