@@ -195,6 +195,7 @@ test("a threshold of the gate is dragged with a finger, and the strokes are coun
   await page.goto(address);
   await page.setInputFiles("input[type=file]", join(place.path, "hidden.csv"));
   await page.waitForSelector(".pin.sure");
+  assert.match(await page.locator(".mapping").innerText(), /Choose the column of each sensor/, "fingers do not drag columns");
   await page.fill("input[name=A_A-bore]", "126.157");
   const plot = page.locator(".gate-plot").first();
   await plot.locator("canvas").waitFor();
