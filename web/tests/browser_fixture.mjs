@@ -24,7 +24,7 @@ export function sharedProgram(words, path) {
       const { page, faults } = kept;
       t.after(async () => {
         page.removeAllListeners("request");
-        await page.evaluate(() => { localStorage.clear(); sessionStorage.clear(); });
+        if (page.url() !== "about:blank") await page.evaluate(() => { localStorage.clear(); sessionStorage.clear(); });
         await page.goto("about:blank");
         assert.deepEqual(faults.splice(0), []);
       });
