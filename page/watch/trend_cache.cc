@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "core/constants.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 /// Strokes that are collected between two looks whether to stop.
 constexpr std::int64_t kStrokesAtATime = 512 * TrendCache::kBaseWidth;
+constexpr std::int64_t kReaders = 8;  ///< threads that glance
 
 double WeightedMean(double a, std::int64_t a_weight, double b, std::int64_t b_weight) {
   if (a_weight == 0 || std::isnan(a)) return b;
@@ -32,6 +34,24 @@ TrendBin JoinedBins(const TrendBin& a, const TrendBin& b) {
   joined.oil_temperature =
       WeightedMean(a.oil_temperature, a.last - a.first + 1, b.oil_temperature, b.last - b.first + 1);
   return joined;
+}
+
+Result<std::vector<TrendBin>> GlancedBins(const std::string& database, std::int64_t machine,
+                                          const std::string& parameter, std::int64_t first, std::int64_t end,
+                                          std::int64_t width, std::int64_t most) {
+  const std::int64_t part = ((end - first) / (width * kReaders) + 1) * width;
+  std::vector<std::future<Result<std::vector<TrendBin>>>> parts;
+  for (std::int64_t from = first; from < end; from += part)
+    parts.push_back(std::async(std::launch::async, [&, from]() -> Result<std::vector<TrendBin>> {
+      const auto opened = TRY(Database::OpenReadOnly(database));
+      return opened.TrendBins(machine, parameter, from, std::min(end, from + part), width, most);
+    }));
+  std::vector<TrendBin> bins;
+  for (auto& read : parts) {
+    const auto more = TRY(read.get());
+    bins.insert(bins.end(), more.begin(), more.end());
+  }
+  return bins;
 }
 
 TrendCache::TrendCache(std::string database, std::function<void()> ready)
@@ -62,11 +82,6 @@ Result<TrendPicture> TrendCache::Picture(const Database& database, std::int64_t 
   TrendPicture picture;
   picture.width =
       std::max<std::int64_t>(1, (end - first + most_bins - 1) / std::max<std::int64_t>(most_bins, 1));
-  const auto read = [&](std::int64_t from, std::int64_t most) -> Status {
-    auto bins = TRY(database.TrendBins(machine, parameter, from, end, picture.width, most));
-    picture.bins.insert(picture.bins.end(), bins.begin(), bins.end());
-    return {};
-  };
   std::int64_t from = first;
   if (end - first > kMostRead) {
     const std::lock_guard lock(mutex_);
@@ -76,15 +91,25 @@ Result<TrendPicture> TrendCache::Picture(const Database& database, std::int64_t 
     if (end - base.end <= kMostRead) {
       picture.bins = Merged(base, first, end, picture.width);
       from = std::max(first, picture.bins.empty() ? first : picture.bins.back().last + 1);
-    } else if (!base.wanted) {
-      base.wanted = true;
-      wanted_.push_back({machine, parameter});
-      wake_.notify_all();
     }
   }
   picture.exact = end - from <= kMostRead;
-  TRY(read(from, picture.exact ? 0 : kGlance));
+  if (picture.exact) {
+    const auto bins = TRY(database.TrendBins(machine, parameter, from, end, picture.width));
+    picture.bins.insert(picture.bins.end(), bins.begin(), bins.end());
+  } else {
+    picture.bins = TRY(GlancedBins(database_, machine, parameter, first, end, picture.width, kGlance));
+    Want({machine, parameter});  // now: what is collected would have kept the disk from the glance
+  }
   return picture;
+}
+
+void TrendCache::Want(const Key& key) {
+  const std::lock_guard lock(mutex_);
+  if (bases_[key].wanted) return;
+  bases_[key].wanted = true;
+  wanted_.push_back(key);
+  wake_.notify_all();
 }
 
 std::vector<TrendBin> TrendCache::Merged(const Base& base, std::int64_t first, std::int64_t end,

@@ -47,6 +47,7 @@ class TrendCache {
     bool wanted = false;         ///< waits to be collected
     std::uint64_t used = 0;
   };
+  void Want(const Key& key);
   void Run();
   void ForgetIfReplaced();
   bool Collect(const Key& key, std::uint64_t generation);
@@ -64,6 +65,12 @@ class TrendCache {
   bool stop_ = false;
   std::thread thread_;
 };
+
+/// Bins of some `width` strokes of a database, of each the first `most`, asked for by several threads: a disk that has to look for
+/// each piece answers them in the time of one.
+Result<std::vector<TrendBin>> GlancedBins(const std::string& database, std::int64_t machine,
+                                          const std::string& parameter, std::int64_t first, std::int64_t end,
+                                          std::int64_t width, std::int64_t most);
 
 /// Neighbouring bins of one run as one.
 TrendBin JoinedBins(const TrendBin& a, const TrendBin& b);

@@ -66,6 +66,18 @@ TEST_F(TrendCacheTest, ALongTrendIsGlancedAtFirstAndThenExact) {
   EXPECT_EQ(high, true_high);
 }
 
+TEST_F(TrendCacheTest, WhatSeveralReadersGlanceAtIsWhatOneWould) {
+  constexpr std::int64_t kWidth = 300, kMost = 3;
+  const auto several = Value(GlancedBins(folder_.File(), press_.machine, "K", 0, kStrokes, kWidth, kMost));
+  const auto one = Value(press_.database.TrendBins(press_.machine, "K", 0, kStrokes, kWidth, kMost));
+  ASSERT_EQ(several.size(), one.size());
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(several[k].first, one[k].first);
+    EXPECT_EQ(several[k].last, one[k].last);
+    EXPECT_EQ(several[k].mean, one[k].mean);
+  }
+}
+
 TEST_F(TrendCacheTest, AShortPieceIsExactAtOnce) {
   TrendCache cache(folder_.File(), [] {});
   const TrendPicture picture = Picture(cache, 1000, 1010, 500);

@@ -13,6 +13,7 @@
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
+#include "page/watch/trend_cache.h"
 #include "storage/valve_check_words.h"
 #include "workbench/history/stroke_history.h"
 
@@ -214,7 +215,9 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
       json["trend"] = false;
     } else {
       const std::int64_t width = std::max<std::int64_t>(1, (end_ + kSparkPoints - 1) / kSparkPoints);
-      const auto bins = TRY(sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance));
+      const auto bins = TRY(end_ > TrendCache::kMostRead
+                                ? GlancedBins(sources_.path, id_, name, 0, end_, width, kSparkGlance)
+                                : sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance));
       nlohmann::json spark = nlohmann::json::array();
       for (const TrendBin& bin : bins) spark.push_back(JsonNumber(bin.mean));
       json.update({{"trend", true},

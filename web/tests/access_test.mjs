@@ -3,9 +3,11 @@
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
+import { cpSync } from "node:fs";
 import { request as plainRequest } from "node:http";
 import { request as tlsRequest } from "node:https";
 import { connect } from "node:net";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { assertLooksGood, endBrowser, patience, startBrowser, visitServed } from "./browser_fixture.mjs";
@@ -20,6 +22,7 @@ const leak = { machine: "die_cushion", alarm: "internal_leakage" };
 
 before(async () => {
   makeHistory(place.path);
+  for (const role of ["view", "operate", "admin"]) run(["users", "--db", "press.db", "add", role, "--role", role], place.path, `${password}\n`);
   const made = spawnSync("openssl", ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-noenc", "-days", "1", "-subj", "/CN=press7",
     "-keyout", "page.key", "-out", "page.pem"], { cwd: place.path, encoding: "utf8" });
   assert.equal(made.status, 0, made.stderr);
@@ -33,8 +36,7 @@ after(async () => {
 /** A database of its own with a user of each role, named as the role. */
 function databaseWithUsers(name) {
   copyHistory(place.path, name);
-  for (const role of ["view", "operate", "admin"])
-    run(["users", "--db", `${name}.db`, "add", role, "--role", role], place.path, `${password}\n`);
+  cpSync(join(place.path, "press.access.db"), join(place.path, `${name}.access.db`));
   return [machine, "--db", `${name}.db`];
 }
 

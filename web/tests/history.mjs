@@ -1,6 +1,7 @@
 // A database for the tests and pictures of watching: a press learned healthy, then with a leak, one shift after the other.
+// node history.mjs FOLDER makes it there; tests take it from there where HYDROSCOPE_HISTORY names the folder.
 
-import { cpSync, readFileSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { spawnSync } from "node:child_process";
@@ -19,6 +20,7 @@ export function simulate(path, name, start, words) {
 
 /** press.toml with rules that learn from 100 strokes, and press.db: 108 healthy strokes, 43 with a leak after a break. */
 export function makeHistory(path) {
+  if (process.env.HYDROSCOPE_HISTORY) return cpSync(process.env.HYDROSCOPE_HISTORY, path, { recursive: true });
   writeFileSync(join(path, "press.toml"), readFileSync(join(machines, "die_cushion.toml")));
   writeFileSync(join(path, "press_rules.toml"), readFileSync(join(machines, "die_cushion_rules.toml"), "utf8").replace("commissioning = 1500", "commissioning = 100"));
   simulate(path, "early.csv", begin, ["--seconds", "650", "--seed", "1", "--oil", "30:45"]);
@@ -97,4 +99,10 @@ export function makeFleet(path) {
 function sqlite(path, database, statement) {
   const done = spawnSync("sqlite3", [database, statement], { cwd: path, encoding: "utf8" });
   if (done.status !== 0) throw new Error(`sqlite3: ${done.stderr}`);
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  rmSync(process.argv[2], { recursive: true, force: true });
+  mkdirSync(process.argv[2], { recursive: true });
+  makeHistory(process.argv[2]);
 }

@@ -13,7 +13,7 @@ import { makeSpindle } from "./spindle.mjs";
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const place = folder();
 const visit = (t, options) => visitIn(place.path, t, [], options);
-const logs = { pump: ["--seconds", "3"], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
+const logs = { pump: ["--seconds", "1"], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
 
 before(async () => {
   await startBrowser();
@@ -37,15 +37,18 @@ function sizesOf(machine) {
 }
 
 test("a log of each built-in machine is recognised, with its picture and every sensor that must be there", async (t) => {
+  const { page, address } = await visit(t);
+  page.on("dialog", (dialog) => void dialog.accept());
+  await page.goto(address);
   for (const [kind, mark] of [["pump", "shaft_speed"], ["manipulator", "p_11"], ["flexible_axis", "pressure_1"], ["test_cylinder", "I_v"]]) {
-    const { page, address } = await visit(t);
-    await page.goto(address);
+    if (kind !== "pump") await page.click(".start-over");
+    await page.waitForSelector(".drop");
     await dropped(page, `${kind}.csv`);
     assert.equal(await chosenKind(page), kind);
     await page.waitForSelector(`.machine [data-mark=${mark}]`);
     assert.equal(await page.locator(".pin.missing").count(), 0, kind);
-    await assertAccessible(page, kind);
   }
+  await assertAccessible(page, "a machine that is no cushion");
 });
 
 test("a pump goes from its log alone to the workbench, and its file names what was written", async (t) => {
@@ -74,14 +77,7 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   await page.waitForSelector(".stepper");
   const text = await (await fetch(`${address}api/v1/machine`)).text();
   assert.match(text, /model = "pump"/);
-  assert.match(text, /shaft = "shaft_speed"/);
-  await page.waitForSelector("text=/; 1 episode$/");  // one, in words
-  await page.goto(`${address}#step=compare`);
-  await page.waitForSelector(".centre .plot canvas");
-  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+\s%;/);
-  await page.goto(`${address}#step=locate`);
-  await page.waitForSelector(".heat .cell");
-  assert.match(await page.locator(".centre").innerText(), /The map is flat: [^]*Of (outlet_pressure|control_pressure|control_position); these signals predict 0\s%/);
+  assert.match(text, /shaft = "shaft_speed"/);  // what is shown of it: own_models_test.mjs
 });
 
 test("the kind is chosen where columns say nothing; picture, sensors and words follow, and pins keep what they are given", async (t) => {
@@ -187,12 +183,7 @@ test("a test cylinder is judged by its frequency response: what changed from the
     await page.goto(`${address}#step=${step}`);
     await page.waitForSelector(`.centre ${there.replace(".centre ", "")}`);
     assert.equal(await page.locator(".problem").count(), 0, step);
-    await assertAccessible(page, `closed loop, ${step}`);
   }
-  await page.selectOption("select[name=hold-out]", "today.csv");  // the other way round
-  await page.waitForSelector("text=Compared with: today.csv");
-  await page.waitForSelector("[data-verdict=named]");
-  assert.ok(Math.abs(await gain() - 0.497) < 0.03);
 });
 
 test("the log of a sweep of a valve goes from its file alone to gain and phase with their model, and beside an earlier one", async (t) => {
@@ -211,7 +202,6 @@ test("the log of a sweep of a valve goes from its file alone to gain and phase w
   const figure = ({ value, std }, digits) => `${value.toFixed(digits)} ± ${(1.96 * std).toFixed(digits)}`;
   assert.ok((await shown()).includes(`natural frequency ${figure(frf.model.f0_hz, 3)} Hz`), await shown());
   assert.match(await page.locator(".verdict-panel").innerText(), /The gain is 3\sdB lower at [\d.]+\s±\s[\d.]+\sHz/);
-  await assertAccessible(page, "valve");
   await page.setInputFiles("input.more-logs", join(place.path, "new.csv"));
   await page.selectOption("select[name=hold-out]", "new.csv");
   await page.waitForSelector(".centre td strong:has-text('-34')");  // from 183.9 to 120 Hz
@@ -219,14 +209,13 @@ test("the log of a sweep of a valve goes from its file alone to gain and phase w
     await page.goto(`${address}#step=${step}`);
     await page.waitForSelector(`.centre ${there}`);
     assert.equal(await page.locator(".problem").count(), 0, step);
-    await assertAccessible(page, `valve, ${step}`);
   }
   await page.goto(`${address}#step=compare`);
   await page.click("text=How it is measured");
   await page.fill("input[name=frf-to]", "100");
   await page.press("input[name=frf-to]", "Tab");
   await page.waitForSelector("text=/6 × outside the range asked for/");
-  await assertAccessible(page, "valve, options");
+  await assertAccessible(page, "two valves, options");
 
   const press = await visitIn(place.path, t, ["worn.csv", "--machine", join(machines, "die_cushion.toml")]);  // a press that has a valve
   await press.page.goto(`${press.address}#step=compare`);
@@ -261,7 +250,6 @@ test("a balance of one's own is written over the columns of a log, checked, and 
   assert.ok(await page.locator("button.primary").isDisabled());
   await page.fill("input[name=balance-expression-0]", pressure);
   await page.waitForSelector("p.verdict.good");
-  await assertAccessible(page, "balance");
   await page.click("button.primary");
   await page.waitForSelector("[data-verdict]");
   assert.match((await errorsOfVersions(page))[0], /\skN$/);
@@ -320,19 +308,13 @@ test("a winch goes from its log to the watch: the balance that is proposed is re
   assert.ok(journal.some((row) => row.event === "model_promoted" && row.comment === "die Trommel reibt"));
 });
 
-test("a machine that is no cushion shows its own picture, one of one's own its signals", async (t) => {
-  const { page, address } = await visitIn(place.path, t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
-  await page.goto(`${address}#step=check`);
-  await page.waitForSelector(".machine [data-mark=shaft_speed]");
-  assert.equal(await page.locator(".machine .mark").count(), 5);
-  assert.equal(await page.locator(".machine .part circle").count() > 0, true, "the drawing is there");
-
+test("a machine of one's own is drawn by its signals", async (t) => {
   writeFileSync(join(place.path, "force.csv"), ["t,F,p_A,z"].concat(Array.from({ length: 400 }, (_, k) => `${k * 0.01},${1000 + 10 * Math.sin(k / 9)},${1e6 + 1e4 * Math.sin(k / 9)},${0.1 + 0.05 * Math.cos(k / 9)}`)).join("\n"));
-  const own = await visit(t);
-  await own.page.goto(own.address);
-  await dropped(own.page, "force.csv");
-  await own.page.waitForSelector(".machine [data-mark=p_A]");
-  const side = (name) => own.page.locator(`[data-mark=${name}] rect`).evaluate((box) => Number(box.getAttribute("x")));
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await dropped(page, "force.csv");
+  await page.waitForSelector(".machine [data-mark=p_A]");
+  const side = (name) => page.locator(`[data-mark=${name}] rect`).evaluate((box) => Number(box.getAttribute("x")));
   assert.ok(await side("p_A") < await side("F"), "what is explained stands right");
 });
 
@@ -344,7 +326,6 @@ test("a machine of one's own has a page of its own: from the first page and back
   await page.waitForSelector(".own-machine .balance");
   assert.match(page.url(), /page=own/);
   await page.fill("input[name=balance-name-0]", "flaeche");
-  await assertAccessible(page, "own machine without a log");
   await page.click("button:has-text('Erste Seite')");
   await page.waitForSelector(".examples");
   await page.goBack();

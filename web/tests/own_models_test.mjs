@@ -6,7 +6,8 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { drop, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, drop, endBrowser, errorsOfVersions, pagesOf, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { assertGerman } from "./german.mjs";
 import { folder, run } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -21,12 +22,17 @@ after(async () => {
 /** A page over these words of `open`, in the folder of the logs. */
 const visit = (t, words, options) => visitIn(place.path, t, words, options);
 
-test("a model with states is drawn running by itself, each output beside its measurement", async (t) => {
-  run(["simulate", "pump", "--out", "pump.csv", "--seconds", "3"], place.path);
+test("a model with states is drawn running by itself, each output beside its measurement, and told in both languages", async (t) => {
+  run(["simulate", "pump", "--out", "pump.csv", "--seconds", "1"], place.path);
   const { page, address } = await visit(t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
+  await page.goto(`${address}#step=check`);
+  await page.waitForSelector(".machine [data-mark=shaft_speed]");
+  assert.equal(await page.locator(".machine .mark").count(), 5);
+  assert.ok(await page.locator(".machine .part circle").count() > 0, "the drawing is there");
+  await page.waitForSelector("text=/; 1 episode$/");  // one, in words
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
-  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.\d+\s%;/);
+  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by [01]\.\d+\s%;/);
   await page.selectOption("label:has-text('Signal') select", "control_position");
   const { outputs } = await (await fetch(`${address}api/v1/strokes?stroke=0`)).json();
   assert.deepEqual(outputs.map((output) => [output.name, output.unit]), [["outlet_pressure", "bar"], ["control_pressure", "bar"], ["control_position", "mm"]]);
@@ -37,7 +43,18 @@ test("a model with states is drawn running by itself, each output beside its mea
     assert.ok(errors.filter((error) => error < 1.96 * noise).length > 0.9 * errors.length, `${name}: within its band of ${noise}`);
   }
   await page.waitForSelector("[data-verdict]");
-  assert.match(await page.locator(".ranking").innerText(), /~0\.\d+[^]*~ estimated without fitting/);
+  assert.match(await page.locator(".ranking").innerText(), /~[01]\.\d+[^]*~ estimated without fitting/);
+  await assertAccessible(page, "states, compare");
+  await page.goto(`${address}#step=locate`);
+  await page.waitForSelector(".heat .cell");
+  assert.match(await page.locator(".centre").innerText(), /The map is flat: [^]*Of (outlet_pressure|control_pressure|control_position); these signals predict 0\s%/);
+  await page.selectOption(".top select >> nth=-1", "de");
+  for (const [step, there] of [["check", ".machine .mark"], ["compare", ".centre .plot canvas"], ["locate", ".heat .cell"], ["confirm", ".save"]]) {
+    await page.goto(`${address}#step=${step}`);
+    await page.waitForSelector(there);
+    await assertGerman(page, step);
+  }
+  assert.match(await page.locator(".headline").innerText(), /^Das Modell beschreibt kurze Läufe dieser Episoden, was keine Entwarnung ist/);
 });
 
 /** Runs of a cylinder with a dry seal at constant pressures, in the layout of machines/seal_friction.toml. */

@@ -49,14 +49,14 @@ function answers(port) {
 
 let services = 0;
 /** `hydroscope serve`, at a port of its own if none is given, below those that outgoing connections take; address and how to end
- * it. */
+ * it, as it should (stop) or at once (kill). */
 export async function serve(words, cwd, port = 20_000 + ((process.pid * 8 + services++) % 12_000)) {
   const child = spawn(program, ["serve", ...words, "--port", String(port)], { cwd, stdio: ["ignore", "ignore", "ignore"] });
   const ended = new Promise((resolve) => child.on("exit", resolve));
-  const address = `http${words.includes("--certificate") ? "s" : ""}://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; };
+  const address = `http${words.includes("--certificate") ? "s" : ""}://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; }, kill = () => { child.kill("SIGKILL"); return ended; };
   for (let k = 0; k < 1200; ++k) {
     if (child.exitCode !== null) throw new Error(`serve ended with ${child.exitCode}`);
-    if (await answers(port)) return { address, port, pid: child.pid, stop };
+    if (await answers(port)) return { address, port, pid: child.pid, stop, kill };
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
   await stop();

@@ -19,9 +19,9 @@ let press;
 /** A press of one cylinder with a leak that its model does not know, on the wire. */
 before(async () => {
   const text = readFileSync(fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url)), "utf8")
-    .replace(/axes = \[.*\]/, 'axes = ["cushion_1"]').replace("domain = 0", `domain = ${20 + (process.pid % 200)}`).replace("port = 1502", `port = ${41_000 + (process.pid % 9_000)}`);
+    .replace(/axes = \[.*\]/, 'axes = ["cushion_1"]').replace("grid_period = { value = 1,", "grid_period = { value = 2,").replace("domain = 0", `domain = ${20 + (process.pid % 200)}`).replace("port = 1502", `port = ${41_000 + (process.pid % 9_000)}`);
   writeFileSync(join(place.path, "live.toml"), text);
-  press = spawn(program, ["simulate", "press", "--serve", "live.toml", "--speed", String(speed), "--seed", "4", "--effect", "internal_leakage=4e-12"], { cwd: place.path, stdio: ["pipe", "ignore", "ignore"] });
+  press = spawn(program, ["simulate", "press", "--serve", "live.toml", "--speed", String(speed), "--sample-period", "0.002", "--seed", "4", "--effect", "internal_leakage=4e-12"], { cwd: place.path, stdio: ["pipe", "ignore", "ignore"] });
   await startBrowser();
 });
 after(async () => {
@@ -41,13 +41,10 @@ async function untilWatched(address, condition) {
   return assert.fail(`not so after 180 s: ${condition}`);
 }
 
-test("strokes of a trend go to the workbench, the effect that is missing is added and promoted, and the live monitor uses it", async (t) => {
+test("a sweep of the valve is asked for; strokes of a trend go to the workbench, the effect that is missing is added and promoted, and the live monitor uses it", async (t) => {
   for (const role of ["operate", "admin"]) run(["users", "--db", "live.db", "add", role, "--role", role], place.path, `${password}\n`);
   const served = await serve(["live.toml", "--db", "live.db"], place.path);
-  const { page, address } = await visitServed(served, t);
-  const before = await untilWatched(address, (machine) => machine.strokes >= enough);
-  assert.deepEqual([before.model_version, before.effects], [1, []]);
-
+  const { page, address } = await visitServed({ ...served, leave: served.kill }, t);
   // signals of the last stroke are there without asking
   await page.goto(address);
   await page.waitForSelector(".tile details[open] canvas");
@@ -59,7 +56,23 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
     await page.click(".login button.primary");
     await page.waitForSelector(".account");
   };
+  // a sweep is asked for by who is logged in, and what the controller answers stands there
+  await page.goto(`${address}#view=valve`);
+  await page.waitForSelector(".valve");
+  assert.equal(await page.locator("button[name=sweep]").count(), 0, "nobody asks who is not logged in");
   await logIn("operate");
+  page.on("dialog", (dialog) => void dialog.accept());  // the valve moves: one is asked whether one is sure
+  await page.goto(`${address}#view=valve`);
+  await page.click("button[name=sweep]:not([disabled])");
+  await page.waitForSelector(".valve tbody tr");
+  assert.match(await page.locator(".valve tbody tr").first().innerText(), /refused\s+the controller refused: the machine is working|measured/);
+  assert.match(await page.locator("[data-told]").innerText(), /cushion_1/);
+  const checks = JSON.parse(run(["status", "--db", "live.db", "--valve-checks", "--json", "-"], place.path));
+  assert.match(JSON.stringify(checks), /refused|measured/, "the command line sees it");
+
+  const before = await untilWatched(address, (machine) => machine.strokes >= enough);
+  assert.deepEqual([before.model_version, before.effects], [1, []]);
+  press.stdin.write("pause\n");  // while a model is sought
   await page.goto(`${address}#view=trends&p=K&x=stroke&from=0&to=${enough}`);
   await page.waitForSelector(".trends [role=status]:has-text('Strokes 0 to 11')");
   await page.click("button:has-text('Open these strokes in the workbench')");
@@ -92,6 +105,7 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   await pressKey(page, ".promote button.primary");
   await page.waitForSelector("[data-done]");
 
+  press.stdin.write("run\n");
   // the service goes by it: strokes that come now are identified with the effect
   const stored = await untilWatched(address, (machine) => machine.effects.includes("internal_leakage"));
   const after = await untilWatched(address, (machine) => machine.parameters.some((p) => p.trend && p.parameter === "internal_leakage.G" && p.value > 0));
@@ -111,27 +125,4 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   assert.deepEqual([row.user, row.comment], ["admin", "the seal leaks until it is changed"]);
   const { audit } = await (await page.request.get(`${address}api/v1/audit`)).json();
   assert.ok(audit.some((entry) => entry.what === "promote" && entry.user === "admin" && entry.outcome === ""));
-});
-
-test("a sweep of the valve is asked for on the page, and what the controller answers stands there", async (t) => {
-  run(["users", "--db", "sweep.db", "add", "operate", "--role", "operate"], place.path, `${password}\n`);
-  const served = await serve(["live.toml", "--db", "sweep.db"], place.path);
-  const { page, address } = await visitServed(served, t);
-  await untilWatched(address, (machine) => machine.strokes >= 3);
-  await page.goto(`${address}#view=valve`);
-  await page.waitForSelector(".valve");
-  assert.equal(await page.locator("button[name=sweep]").count(), 0, "nobody asks who is not logged in");
-  await page.goto(`${address}#view=login`);
-  await page.fill(".login input[name=name]", "operate");
-  await page.fill(".login input[name=password]", password);
-  await page.click(".login button.primary");
-  await page.waitForSelector(".account");
-  page.on("dialog", (dialog) => void dialog.accept());  // the valve moves: one is asked whether one is sure
-  await page.goto(`${address}#view=valve`);
-  await page.click("button[name=sweep]:not([disabled])");
-  await page.waitForSelector(".valve tbody tr");
-  assert.match(await page.locator(".valve tbody tr").first().innerText(), /refused\s+the controller refused: the machine is working|measured/);
-  assert.match(await page.locator("[data-told]").innerText(), /cushion_1/);
-  const rows = JSON.parse(run(["status", "--db", "sweep.db", "--valve-checks", "--json", "-"], place.path));
-  assert.match(JSON.stringify(rows), /refused|measured/, "the command line sees it");
 });

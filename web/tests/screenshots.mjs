@@ -19,7 +19,7 @@ mkdirSync(out, { recursive: true });
 const place = folder();
 run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
 run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
-run(["simulate", "pump", "--out", "pump.csv"], place.path);
+run(["simulate", "pump", "--out", "pump.csv", "--seconds", "2"], place.path);
 run(["simulate", "test-cylinder", "--out", "cylinder.csv", "--valve", "38"], place.path);
 run(["simulate", "valve", "--out", "new.csv"], place.path);
 run(["simulate", "valve", "--out", "worn.csv", "--f0", "120", "--damping", "0.9", "--seed", "2"], place.path);

@@ -11,7 +11,7 @@ const place = folder();
 
 before(async () => {
   await startBrowser();
-  run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--effect", "internal_leakage=4e-12"], place.path);
+  run(["simulate", "press", "--out", "leak.csv", "--seconds", "40", "--effect", "internal_leakage=4e-12"], place.path);
 });
 after(async () => {
   await endBrowser();

@@ -4,6 +4,7 @@ import { Told, ToldList, useTold } from "../told";
 import type { Pin, Proposal } from "../types";
 import { amount, printedUnit, short, shownNumber, withUnit } from "../units";
 import { useUrl } from "../url_state";
+import { byFinger } from "../watch/shown";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { BalanceFormula } from "./balance";
@@ -49,7 +50,7 @@ function Mapping({ first }: { first: ProposalWork }) {
       <p class="kind"><label>{say("mapKind")} <select name="kind" value={awaited ?? proposal.model} onChange={(e) => takeKind(e.currentTarget.value)}>
         {proposal.kinds.map((kind) => <option key={kind.id} value={kind.id}>{tell(kind, "title").text}</option>)}
       </select></label> <span class="quiet">{say(first.chosen ? "mapChosen" : "mapRecognised")}</span></p>
-      <p>{say("mapText")}</p>
+      <p>{say(byFinger() ? "mapTap" : "mapDrag")} {say("mapText")}</p>
       <div class="two">
         <div>
           <h2>{say("mapColumns")}</h2>

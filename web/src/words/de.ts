@@ -50,7 +50,9 @@ export const de: Words = {
   simulating: "Simuliert …",
 
   mapTitle: "Welche Spalte ist welcher Sensor?",
-  mapText: "Ziehen Sie eine Spalte auf einen Sensor oder wählen Sie sie dort. Eingetragen ist schon, was Namen und Zahlen sagen.",
+  mapDrag: "Ziehen Sie eine Spalte auf einen Sensor oder wählen Sie sie dort.",
+  mapTap: "Wählen Sie zu jedem Sensor die Spalte.",
+  mapText: "Eingetragen ist schon, was Namen und Zahlen sagen.",
   mapKind: "Das ist ein Log von:",
   mapRecognised: "erkannt an den Spalten; ist es eine andere Maschine, wählen Sie sie",
   mapChosen: "von Ihnen gewählt",

@@ -49,7 +49,9 @@ export const en = {
   simulating: "Simulating …",
 
   mapTitle: "Which column is which sensor?",
-  mapText: "Drag a column onto a sensor, or choose it there. Filled in already is what names and numbers say.",
+  mapDrag: "Drag a column onto a sensor, or choose it there.",
+  mapTap: "Choose the column of each sensor.",
+  mapText: "Filled in already is what names and numbers say.",
   mapKind: "This is a log of a",
   mapRecognised: "recognised by its columns; if it is another machine, choose it",
   mapChosen: "as you chose",
