@@ -237,16 +237,17 @@ void WidenByNonlinear(std::shared_ptr<const ModelStructure> model, std::span<con
       fit.effects[unknown[j].effect].nonlinear_std[unknown[j].index] =
           student[unknown[j].effect] * free->std[j];
   }
-  if (const auto propagation = Propagation(shifting, fit.theta))
-    fit.covariance = *propagation * fit.covariance * propagation->transpose();
+  const auto propagation = Propagation(shifting, fit.theta);
+  if (propagation) fit.covariance = *propagation * fit.covariance * propagation->transpose();
   for (const FreeParameter& known : FreeParameters(shifting, true))
     fit.effects[known.effect].nonlinear_std[known.index] =
         AddKnown(shifting, known, shifting.EffectOf(known.effect).nonlinear[known.index].std, fit.theta,
                  fit.covariance);
   for (std::size_t k = 0; k < fit.effects.size(); ++k) {
     for (std::size_t c = 0; c < shifting.EffectOf(k).constants.size(); ++c) {
-      const auto moved = MoveConstant(shifting, k, c, determined, fit.theta);
+      auto moved = MoveConstant(shifting, k, c, determined && IsFree(shifting.EffectOf(k)), fit.theta);
       if (!moved) continue;
+      if (propagation) moved->theta = *propagation * moved->theta;
       fit.covariance += moved->theta * moved->theta.transpose();
       for (std::size_t i = 0; i < moved->nonlinear.size(); ++i)
         fit.effects[k].nonlinear_std[i] = std::hypot(fit.effects[k].nonlinear_std[i], moved->nonlinear[i]);

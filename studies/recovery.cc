@@ -64,7 +64,10 @@ Machine ExtendedMachine(const PressOptions& options, const std::string& effect) 
   Machine machine = MachineFor(options);
   machine.added_effects = {effect};
   // Drawing and return strokes between the rests.
-  if (NeedsBothEdges(effect)) machine.gate.bounds = {{"z", false, 0.03, 0.185}};
+  constexpr double kFromRest = 0.015;  // m
+  if (NeedsBothEdges(effect))
+    machine.gate.bounds = {
+        {"z", false, options.motion.z_bottom + kFromRest, options.motion.z_top - kFromRest}};
   return machine;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "simulator/die_cushion/effects.h"
 
@@ -27,6 +28,22 @@ TEST_P(EveryEffect, IsRecoveredWithinThreeStandardDeviationsAndTheBaseParameters
     EXPECT_LE(std::abs(value.value - value.truth), 3 * value.std)
         << value.name << " " << value.value << " +- " << value.std << ", truth " << value.truth;
   }
+}
+
+/// How far the size found lies from the truth, standard deviations, of a random machine.
+double DeviationOf(const std::string& effect, std::uint64_t seed) {
+  const auto values = RecoverEffect(effect, 120, seed, true);
+  return values && !values->empty() ? std::abs(values->front().Deviation())
+                                    : std::numeric_limits<double>::infinity();
+}
+
+TEST(Recovery, WhatTheSpoolDidBetweenSamplesIsInTheIntervalOfItsPlay) {
+  EXPECT_LT(DeviationOf("spool_hysteresis", 7010010), 2);
+}
+
+TEST(Recovery, NoRestIsTakenForAStrokeHoweverShortTheMachinesWay) {
+  EXPECT_LT(DeviationOf("valve_flow_asymmetry", 7002008), 2);
+  EXPECT_LT(DeviationOf("spool_overlap", 7003009), 2);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numbers>
 
 #include "core/wide.h"
 #include "machines/die_cushion/effects/effects.h"
@@ -15,16 +16,23 @@ double FirstLag(const Stretch& s, double reach) {
   return edge - y[0];
 }
 
+/// The spool at sample `k`, the share `thinned` of the way to where every second sample alone shows it.
+inline double SpoolAt(const double* y, int k, double thinned) {
+  return (k & 1) != 0 ? y[k] + thinned * (0.5 * (y[k - 1] + y[k + 1]) - y[k]) : y[k];
+}
+
 /// Increments of root times lag, per width. `lag` is edge minus spool, within +- width / 2; it lives on from
 /// stretch to stretch. Only the edge waits for the sample before.
-HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std::span<double> out) {
+HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double thinned, double& lag,
+                                std::span<double> out) {
   const double *root = s[kFlowRoot], *y = s[kSpool];
   const double reach = 0.5 * width, scale = 0.5 * s.period / width;
   if (!s.continues) lag = FirstLag(s, reach);
   double edge = y[0] + lag, left = root[0] * lag;
   for (int k = 0; k + 1 < s.samples; ++k) {
-    edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
-    lag = edge - y[k + 1];
+    const double spool = k + 2 < s.samples ? SpoolAt(y, k + 1, thinned) : y[k + 1];
+    edge = std::min(std::max(edge, spool - reach), spool + reach);
+    lag = edge - spool;
     const double right = root[k + 1] * lag;
     out[k] = scale * (left + right);
     left = right;
@@ -61,6 +69,9 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.max = 0.1;
   e.typical = 0.004;
   e.nonlinear = {{"play", "1", 0.0005, 0.1}};
+  // How far the spool went between samples, and how far its noise seems to push the edge, no sample tells: up to what it does to
+  // the size that only every second sample is known, evenly likely.
+  e.constants = {{"thinned", "1", 0, std::numbers::inv_sqrt3}};
   e.implied = [](const ShapeContext& c) { return c.size; };
   e.family = {"the valve follows its spool position with play",
               "das Ventil folgt seiner Schieberstellung mit Spiel"};
@@ -75,8 +86,9 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.shown_by = {"strokes in which the spool turns back and forth while the ram moves",
                 "Hübe, in denen der Schieber hin und her geht, während der Stößel fährt"};
   e.variant = [](const std::vector<double>& nonlinear) {
-    const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
-      FollowEdge(s, width, lag, out);
+    const double thinned = nonlinear.size() > 1 ? nonlinear[1] : 0.0;
+    const auto flow = [width = nonlinear[0], thinned](const Stretch& s, double& lag, std::span<double> out) {
+      FollowEdge(s, width, thinned, lag, out);
     };
     return EffectVariant{{flow}, WeightsOf<kFlowArea>};
   };
