@@ -1,8 +1,10 @@
 #include <csignal>
 
 #include "cli/commands.h"
+#include "host/resident_memory.h"
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, as a full disk is
+  hydroscope::KeepFreedMemory();
   return hydroscope::RunCommandLine(argc, argv);
 }

@@ -17,7 +17,6 @@
 #include "core/secret_file.h"
 #include "host/output.h"
 #include "host/real_clock.h"
-#include "host/resident_memory.h"
 #include "host/signals.h"
 #include "live/live_service.h"
 #include "live/log.h"
@@ -146,7 +145,6 @@ ExitCode BeginAgain() {
 
 Result<End> Run(ServeArguments& a) {
   TRY(ConfigureLog(a.log_level, a.log_json));
-  KeepFreedMemory();
   a.live.writer.raw = {static_cast<std::int64_t>(a.raw_gigabytes * 1024 * kMegabyte), a.raw_days * 86400};
   a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
   a.live.writer.queue_bytes = static_cast<std::int64_t>(a.queue_megabytes * kMegabyte);

@@ -4,8 +4,8 @@
 
 namespace hydroscope {
 
-/// Memory that is freed stays with the process: what one thread frees behind a stroke is needed at the next one, and is not
-/// given back to the system and fetched anew page by page while estimates wait. To be called before threads begin.
+/// Memory that is freed stays with the process: what was freed behind a stroke is needed at the next one, and is not given back to
+/// the system and fetched anew page by page while estimates wait. To be called before threads begin.
 void KeepFreedMemory();
 
 /// Fetches `bytes` for the calling thread from the system and frees them, so that with KeepFreedMemory() the first burst of work

@@ -93,6 +93,7 @@ class LeftOut {
     Solve();
   }
 
+  /// To the lower half of `form`.
   void AddTo(Eigen::MatrixXd& form) const;
 
  private:
@@ -131,14 +132,13 @@ void LeftOut::AddTo(Eigen::MatrixXd& form) const {
   for (std::size_t second = 0; second < blocks(); ++second) {
     const GroupLanes* const y = solutions_.data() + second * block_size();
     Multiply(n_, h_.data(), y, h_times.data());
-    for (std::size_t first = 0; first < blocks(); ++first) {
+    for (std::size_t first = second; first < blocks(); ++first) {  // the form is symmetric: its lower half
       ProductsOverLanes(n_, solutions_.data() + first * block_size(), h_times.data(), products.data());
       for (int a = 0; a < kColumnsAtOnce; ++a)
         for (int b = 0; b < kColumnsAtOnce; ++b) {
           const auto row = static_cast<Eigen::Index>(first) * kColumnsAtOnce + a;
           const auto column = static_cast<Eigen::Index>(second) * kColumnsAtOnce + b;
-          if (row < form.rows() && column < form.cols())
-            form(row, column) += products[a * kColumnsAtOnce + b];
+          if (row < form.rows() && column <= row) form(row, column) += products[a * kColumnsAtOnce + b];
         }
     }
   }
@@ -148,8 +148,7 @@ void LeftOut::AddTo(Eigen::MatrixXd& form) const {
       const GroupLanes* const x = solutions_.data() + u / kColumnsAtOnce * block_size() + u % kColumnsAtOnce;
       double cross = 0;
       for (int i = 0; i < n_; ++i) cross += x[i * kColumnsAtOnce][lane] * groups_.q(i, s);
-      form(s, u) -= cross;
-      form(u, s) -= cross;
+      form(std::max(s, u), std::min(s, u)) -= cross;  // its own solution is 0
     }
     form(s, s) += groups_.energy[s];
   }
@@ -164,7 +163,7 @@ Eigen::MatrixXd HeldOutForm(const GroupEquations& groups, const Eigen::VectorXd&
   total.diagonal() += ridge;
   Eigen::MatrixXd form = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index first = 0; first < count; first += kGroupLanes) LeftOut(groups, total, first).AddTo(form);
-  return form;
+  return form.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace hydroscope
