@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <pwd.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -8,10 +9,11 @@
 
 namespace hydroscope {
 
-/// Who runs the program: USER of the environment, else the number.
+/// Who runs the program: USER of the environment, else the name that the system knows, else the number.
 inline std::string UserName() {
-  const char* user = std::getenv("USER");
-  return user != nullptr ? user : fmt::format("uid {}", getuid());
+  if (const char* user = std::getenv("USER"); user != nullptr && *user != '\0') return user;
+  const passwd* known = getpwuid(getuid());
+  return known != nullptr ? known->pw_name : fmt::format("uid {}", getuid());
 }
 
 }  // namespace hydroscope

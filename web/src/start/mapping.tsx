@@ -1,10 +1,10 @@
 import { useState } from "preact/hooks";
 import { Problem } from "../failure";
+import { byFinger } from "../pointer";
 import { Told, ToldList, useTold } from "../told";
 import type { Pin, Proposal } from "../types";
 import { amount, printedUnit, short, shownNumber, withUnit } from "../units";
 import { useUrl } from "../url_state";
-import { byFinger } from "../watch/shown";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { BalanceFormula } from "./balance";

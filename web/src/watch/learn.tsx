@@ -1,13 +1,14 @@
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Problem, useAttempt } from "../failure";
+import { byFinger } from "../pointer";
 import { useStore, work } from "../store";
 import { useTyped } from "../typed";
 import { useUrl } from "../url_state";
 import { WholeNumber } from "../whole_number";
 import { Told } from "../told";
 import { useWords } from "../words";
-import { byFinger, dateText, isDate, symbolOf } from "./shown";
+import { dateText, isDate, symbolOf } from "./shown";
 import { placeOf } from "./trend_axis";
 import { TrendPlot } from "./trend_plot";
 import { useTrends } from "./trends";

@@ -49,6 +49,3 @@ export function download(name: string, content: Blob): void {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
-
-/** Whether it is fingers that point: they have neither a wheel nor keys to hold. */
-export const byFinger = () => matchMedia("(pointer: coarse)").matches;

@@ -61,7 +61,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
                 <tr key={signal.signal} role="row">
                   <th scope="row" role="rowheader">{signal.signal}</th>
                   {[shown(signal.min), shown(signal.max), signal.noise_std === null ? "–" : short(signal.noise_std * unit.factor, 2)].map((number, k) =>
-                    <td key={k} role="cell" class="num" data-label={heads[k + 1]}>{number}</td>)}
+                    <td key={k} role="cell" class={number === "–" ? "num nothing" : "num"} data-label={heads[k + 1]}>{number}</td>)}
                   <td role="cell" class="unit">{unitName(unit)}</td><td role="cell" data-label={heads[5]}>{flags || say("checkFine")}</td>
                 </tr>
               );

@@ -1,6 +1,6 @@
+import { byFinger } from "../pointer";
 import type { CompareResult, ErrorMap, RegionErrors } from "../types";
 import { amount, withUnit } from "../units";
-import { byFinger } from "../watch/shown";
 import { useWords } from "../words";
 import { HeatMap } from "./heat_map";
 import { regionOf, regionText, useRangeWords, useRegionWords, useSignalName } from "./region";
