@@ -52,6 +52,9 @@ if [[ ${#missing[@]} -gt 0 ]]; then
   "${apt[@]}" update
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
 fi
+fetching=()  # at the same time: the network is what takes long
 for folder in "${fetch[@]}"; do
-  npm ci --prefix "$folder" --no-audit --no-fund --ignore-scripts
+  npm ci --prefix "$folder" --no-audit --no-fund --ignore-scripts &
+  fetching+=($!)
 done
+for job in "${fetching[@]}"; do wait "$job"; done

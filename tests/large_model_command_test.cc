@@ -69,7 +69,9 @@ class LargeModel : public CommandLine {
   }
 };
 
-TEST_F(LargeModel, OfAllSizesIsFittedExplainedAndReplayed) {
+using LargeModelAtLength = LargeModel;
+
+TEST_F(LargeModelAtLength, OfAllSizesIsFittedExplainedAndReplayed) {
   for (const int terms : {11, 12, 13, 17, kMaxParameters}) {
     const std::string log = Log(terms), machine = Machine(terms),
                       db = File(fmt::format("large_{}.db", terms));

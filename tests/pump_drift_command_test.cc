@@ -6,7 +6,7 @@
 namespace hydroscope::command_line_test {
 namespace {
 
-class PumpDrift : public CommandLine {
+class PumpDriftAtLength : public CommandLine {
  protected:
   static constexpr int kChange = 101, kAfter = 18;  // episodes
   static constexpr double kSeconds = 0.38;          // of each: some more revolutions than a ripple is told by
@@ -31,7 +31,7 @@ class PumpDrift : public CommandLine {
   }
 };
 
-TEST_F(PumpDrift, NamesLeakageThatGrowsWithinFiftyEpisodesAndNothingElse) {
+TEST_F(PumpDriftAtLength, NamesLeakageThatGrowsWithinFiftyEpisodesAndNothingElse) {
   const nlohmann::json alarms = Alarms("0.025")["alarms"];
   ASSERT_EQ(alarms.size(), 1) << alarms.dump(1);
   EXPECT_EQ(alarms[0]["alarm"], "leakage_grown");

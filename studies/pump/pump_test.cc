@@ -32,7 +32,7 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
 }
 
 /// Pistons of this pump that are not quite alike move its spool once per revolution, all the more while the flow steps.
-TEST(PumpStudy, RippleThatMovesTheSpoolBendsNoParameter) {
+TEST(PumpStudyAtLength, RippleThatMovesTheSpoolBendsNoParameter) {
   PumpOptions options = RandomPump(171);
   options.seconds = 12;
   const Machine machine = PumpFile(true);
@@ -70,7 +70,7 @@ TEST(PumpStudy, OutletPressureAloneIsFittedFromTheFirstStart) {
 }
 
 /// Of this pump's starts the one that costs least stops short where the cost is flat, far from the minimum that others lead to.
-TEST(PumpStudy, TheStartThatCostsLeastNeedNotLeadToTheBestFitOfTheOutletPressure) {
+TEST(PumpStudyAtLength, TheStartThatCostsLeastNeedNotLeadToTheBestFitOfTheOutletPressure) {
   const StateFit fit = OutletFit(OutletEpisode(177, 12));
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_GT(PumpFit(fit), 98);
@@ -94,7 +94,7 @@ Result<StatesFit> FitOf(const PumpOptions& options) {
   return FitEpisodes(std::move(log));
 }
 
-TEST(PumpStudy, OfAHealthyPumpTheFitSaysWhatExplainSays) {
+TEST(PumpStudyAtLength, OfAHealthyPumpTheFitSaysWhatExplainSays) {
   PumpOptions
       options;  // as `simulate pump --seed 7`: over the whole log functions predict 7 % of what is left, by chance
   options.seconds = 6;
