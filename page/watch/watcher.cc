@@ -212,6 +212,8 @@ Status Watcher::Look() {
         TRY(id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error())));
     seen += fmt::format("{} {}\n", name, end);
   }
+  const StoredCounts stored = TRY(opened.database.CountStored());
+  seen += fmt::format("valve checks {}\n", stored.valve_checks);  // of machines at rest, of which nothing else is new
   if (opened.journal) {
     const auto last = TRY(opened.journal->LastSequence());
     seen += fmt::format("rows {}\n", last);

@@ -73,6 +73,16 @@ test("a sweep of the valve is asked for; strokes of a trend go to the workbench,
   const before = await untilWatched(address, (machine) => machine.strokes >= enough);
   assert.deepEqual([before.model_version, before.effects], [1, []]);
   press.stdin.write("pause\n");  // while a model is sought
+  // at rest, once the stroke has ended, the valve is swept, and its response drawn without another look
+  await page.goto(`${address}#view=valve`);
+  const rows = page.locator(".valve tbody tr"), newest = rows.first();
+  for (let asked = 0; asked < 10 && !/measured/.test(await newest.innerText()); ++asked) {
+    const known = await rows.count();
+    await page.click("button[name=sweep]:not([disabled])");
+    await page.waitForSelector(`.valve tbody tr:nth-child(${known + 1})`);
+  }
+  assert.match(await newest.innerText(), /measured\s+2\d\d\.\d/);
+  await page.waitForSelector(".valve canvas");
   await page.goto(`${address}#view=trends&p=K&x=stroke&from=0&to=${enough}`);
   await page.waitForSelector(".trends [role=status]:has-text('Strokes 0 to 11')");
   await page.click("button:has-text('Open these strokes in the workbench')");
