@@ -94,6 +94,22 @@ TEST_F(LiveServiceTest, LostBatchesAreFlaggedInTheRawWindowAndReplayIsStillTheSa
   EXPECT_EQ(pass->channels[0].flagged[0], 140);
 }
 
+TEST_F(LiveServiceTest, HowFarARawWindowIsReadIsKnownFromItsBeginOn) {
+  Serve(0, 15'000);
+  const auto machine = LoadMachine(options_.machine_file);
+  auto piece = OpenRecording(options_.database + "#left@3:13", *machine);
+  ASSERT_TRUE(piece) << piece.error().text;
+  auto whole = OpenRecording(options_.database + "#left", *machine);
+  ASSERT_TRUE(whole) << whole.error().text;
+  SampleBlock block;
+  ASSERT_EQ((*piece)->Read(block, 1000).value_or(0), 1000u);
+  EXPECT_NEAR((*piece)->Progress(), 1000 * (*piece)->SamplePeriod() / 10, 0.01);
+  ASSERT_EQ((*whole)->Read(block, 1000).value_or(0), 1000u);
+  EXPECT_LT((*whole)->Progress(), 0.1);
+  while ((*piece)->Read(block, 1000).value_or(0) > 0) continue;
+  EXPECT_GT((*piece)->Progress(), 0.99);
+}
+
 TEST_F(LiveServiceTest, ASecondLifeContinuesFromTheStoredStateAndTakesNoRowTwice) {
   Serve(0, 10'000);
   Serve(8'000, 20'000);  // the sender still holds two thousand rows from before

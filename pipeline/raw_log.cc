@@ -24,7 +24,6 @@ class RawReader : public LogReader {
       : database_(std::move(database)), runs_(std::move(runs)), from_(from), to_(to) {
     period_ = machine.live ? machine.live->grid_period : machine.log.sample_period.value_or(0);
     for (const SignalSpec& signal : machine.signals) names_.push_back(signal.name);
-    for (const RawExtent& run : runs_) total_ += run.rows;
     if (!runs_.empty()) at_ = std::max(from_, runs_.front().first);
   }
 
@@ -54,7 +53,14 @@ class RawReader : public LogReader {
   }
 
   double Progress() const override {
-    return total_ == 0 ? 1.0 : static_cast<double>(counters_.rows) / static_cast<double>(total_);
+    double passed = 0, all = 0;  // s
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      const double begin = std::max(from_, runs_[r].first), end = std::max(begin, std::min(to_, runs_[r].last));
+      all += end - begin;
+      if (r < run_) passed += end - begin;
+      if (r == run_ && next_ > 0) passed += std::clamp(window_.time[next_ - 1] - begin, 0.0, end - begin);
+    }
+    return all > 0 ? passed / all : 1.0;
   }
   double SamplePeriod() const override { return period_; }
   const LogCounters& counters() const override { return counters_; }
@@ -84,7 +90,6 @@ class RawReader : public LogReader {
   RawWindow window_;
   std::size_t next_ = 0, run_ = 0;
   bool run_begins_ = true;
-  std::int64_t total_ = 0;
   LogCounters counters_;
 };
 
