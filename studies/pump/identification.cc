@@ -61,6 +61,50 @@ PumpCase::Fits FitAndFollow(const Machine& machine, const PumpLog& log, const Pu
   return out;
 }
 
+std::vector<FoundParameter> FoundOf(const StateFit& fit, const Eigen::VectorXd& truth) {
+  std::vector<FoundParameter> found;
+  for (Eigen::Index p = 0; p < truth.size() && fit.solved(); ++p)
+    found.push_back({fit.model->parameters[static_cast<std::size_t>(p)].name, truth[p], fit.parameters[p],
+                     std::sqrt(fit.covariance(p, p))});
+  return found;
+}
+
+bool HoldsTruth(const FoundParameter& found) { return std::abs(found.StandardErrorsOff()) < kNormal95; }
+
+/// A line per parameter that is identified.
+std::string FoundText(const std::vector<FoundParameter>& found) {
+  std::string text;
+  for (const FoundParameter& p : found)
+    text += fmt::format(
+        "{:>14} {:>11.5g}, found {:>11.5g} +- {:>9.3g}: {:>+6.2f} % off, {:>+5.1f} standard errors{}\n",
+        p.name, p.truth, p.estimate, kNormal95 * p.standard_error, 100 * (p.estimate / p.truth - 1),
+        p.StandardErrorsOff(), HoldsTruth(p) ? "" : ", not held");
+  return text;
+}
+
+/// Of each parameter, how many intervals hold the truth and the rms of what it is off in standard errors.
+std::string IntervalsText(const std::vector<PumpCase>& cases) {
+  std::string text;
+  for (std::size_t p = 0; p < std::ranges::max(
+                                  cases, {}, [](const PumpCase& c) { return c.found.size(); })
+                                  .found.size();
+       ++p) {
+    int held = 0, judged = 0;
+    double energy = 0;
+    std::string name;
+    for (const PumpCase& c : cases) {
+      if (c.found.empty()) continue;
+      name = c.found[p].name;
+      ++judged;
+      held += HoldsTruth(c.found[p]);
+      energy += std::pow(c.found[p].StandardErrorsOff(), 2);
+    }
+    text += fmt::format("  {:>4} {} of {}, rms {:.2f} standard errors off\n", name, held, judged,
+                        std::sqrt(energy / judged));
+  }
+  return text;
+}
+
 std::vector<double> ErrorsOf(const StateFit& fit, const Eigen::VectorXd& truth) {
   std::vector<double> errors;
   for (Eigen::Index p = 0; p < truth.size() && fit.solved(); ++p)
@@ -99,12 +143,7 @@ PumpCase FitPump(const PumpOptions& options) {
   out.linear = FitAndFollow(LinearPumpFile(), log, pulse);
   out.error_all = ErrorsOf(out.all.fit, truth);
   out.error_outlet = ErrorsOf(out.outlet.fit, truth);
-  for (std::size_t p = 0; p < out.error_all.size(); ++p) {
-    const auto at = static_cast<Eigen::Index>(p);
-    ++out.judged;
-    out.inside +=
-        std::abs(out.error_all[p] * truth[at]) < kNormal95 * std::sqrt(out.all.fit.covariance(at, at));
-  }
+  out.found = FoundOf(out.all.fit, truth);
   if (out.outlet.solved) {
     const Episode episode = PumpEpisode(log, outlet);
     const ToldTogether together = FindToldTogether(out.outlet.fit, std::span(&episode, 1));
@@ -136,6 +175,7 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
             c.together.empty()
                 ? ""
                 : fmt::format("{} together: {}", fmt::join(c.together, " "), fmt::join(c.sensors, " or ")));
+        fmt::print("{}", FoundText(c.found));
         std::fflush(stdout);
       },
       o.threads);
@@ -150,8 +190,8 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
     }
     for (std::size_t p = 0; p < errors.size(); ++p)
       errors[p] += (c.error_all.empty() ? 1.0 : c.error_all[p] * c.error_all[p]) / o.machines;
-    inside += c.inside;
-    judged += c.judged;
+    inside += static_cast<double>(std::ranges::count_if(c.found, HoldsTruth));
+    judged += static_cast<double>(c.found.size());
     linear += c.linear.log / o.machines;
     linear_pulse += c.linear.pulse / o.machines;
     // What is not told is said, with a sensor that would tell it.
@@ -163,10 +203,10 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
       "\nfit of the outlet pressure, worst of {} pumps: {:.2f} %, on a flow pulse that was not fitted {:.2f} % (goal {:g}; "
       "published {:g} %)\nthe published linear model on the same records, mean: {:.1f} %, on the pulse {:.1f} %\n"
       "K_v, K_q, C_l, K_p, V_t with both sensors of the control chamber, rms of the worst of them: {:.2f} % (goal {:g})\n"
-      "95 % intervals that hold the truth: {:.1f} % (goal {:g})\n"
+      "95 % intervals that hold the truth: {:.1f} % (goal {:g})\n{}"
       "outlet pressure alone: parameters it does not tell said, with the sensor that would: {} of {}\n",
       o.machines, worst_fit, worst_pulse, kGoalFit, kPublishedFit, linear, linear_pulse, 100 * worst_error,
-      100 * kGoalError, 100 * inside, 100 * kGoalInside, advised, o.machines);
+      100 * kGoalError, 100 * inside, 100 * kGoalInside, IntervalsText(cases), advised, o.machines);
   return worst_fit >= kGoalFit && worst_pulse >= kGoalFit && worst_error <= kGoalError &&
          inside >= kGoalInside && advised == o.machines;
 }

@@ -5,6 +5,13 @@
 
 namespace hydroscope {
 
+/// What a fit found of a parameter, in its unit.
+struct FoundParameter {
+  std::string name;
+  double truth = 0, estimate = 0, standard_error = 0;
+  double StandardErrorsOff() const { return (estimate - truth) / standard_error; }
+};
+
 /// One random pump, fitted in each way. Fits in % of the outlet pressure's variation.
 struct PumpCase {
   double ripple = 0, ripple_left = 0,
@@ -16,7 +23,7 @@ struct PumpCase {
   };
   Fits all, outlet, linear;  ///< all sensors, outlet pressure alone, the published linear model on that
   std::vector<double> error_all, error_outlet;  ///< relative, per parameter
-  int inside = 0, judged = 0;                   ///< 95 % intervals that hold the truth
+  std::vector<FoundParameter> found;            ///< with all sensors; empty: there is no fit
   std::vector<std::string> together;            ///< parameters that the outlet pressure alone does not tell
   std::vector<std::string> sensors;             ///< that are named for them
   double seconds = 0;                           ///< CPU time of the fit with all sensors
