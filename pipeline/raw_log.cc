@@ -55,7 +55,8 @@ class RawReader : public LogReader {
   double Progress() const override {
     double passed = 0, all = 0;  // s
     for (std::size_t r = 0; r < runs_.size(); ++r) {
-      const double begin = std::max(from_, runs_[r].first), end = std::max(begin, std::min(to_, runs_[r].last));
+      const double begin = std::max(from_, runs_[r].first),
+                   end = std::max(begin, std::min(to_, runs_[r].last));
       all += end - begin;
       if (r < run_) passed += end - begin;
       if (r == run_ && next_ > 0) passed += std::clamp(window_.time[next_ - 1] - begin, 0.0, end - begin);

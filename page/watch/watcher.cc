@@ -213,7 +213,8 @@ Status Watcher::Look() {
     seen += fmt::format("{} {}\n", name, end);
   }
   const StoredCounts stored = TRY(opened.database.CountStored());
-  seen += fmt::format("valve checks {}\n", stored.valve_checks);  // of machines at rest, of which nothing else is new
+  seen += fmt::format("valve checks {}\n",
+                      stored.valve_checks);  // of machines at rest, of which nothing else is new
   if (opened.journal) {
     const auto last = TRY(opened.journal->LastSequence());
     seen += fmt::format("rows {}\n", last);
