@@ -212,9 +212,9 @@ Status Watcher::Look() {
         TRY(id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error())));
     seen += fmt::format("{} {}\n", name, end);
   }
+  // Valves are checked at rest, where nothing else is new.
   const StoredCounts stored = TRY(opened.database.CountStored());
-  seen += fmt::format("valve checks {}\n",
-                      stored.valve_checks);  // of machines at rest, of which nothing else is new
+  seen += fmt::format("valve checks {}\n", stored.valve_checks);
   if (opened.journal) {
     const auto last = TRY(opened.journal->LastSequence());
     seen += fmt::format("rows {}\n", last);
