@@ -36,31 +36,20 @@ std::pair<double, double> Bracket(const Effect& effect, std::size_t coordinate, 
   return {low, high};
 }
 
-/// A value of a coordinate, and its neighbours in a scan: between them lies the minimum.
-struct Place {
-  double best, error, low, high;
-};
-
-/// The least of a scan over [low, high] that begins at `start`. `errors` gives those of several points.
+/// Minimum over [low, high]: a scan, then Brent's method between the best point's neighbours. `errors` gives those of several points.
 template <typename Errors>
-Place Scan(Errors errors, double low, double high, double start) {
+double Minimise(Errors errors, double low, double high, double start) {
   const double step = (high - low) / (kScan + 1);
   std::vector<double> points = {start};
   for (int k = 1; k <= kScan; ++k) points.push_back(low + k * step);
   const std::vector<double> found = errors(points);
   const auto least = std::ranges::min_element(found);
-  const double best = points[static_cast<std::size_t>(least - found.begin())];
-  return {best, *least, std::max(low, best - step), std::min(high, best + step)};
-}
-
-/// The minimum between the neighbours, by Brent's method.
-template <typename Errors>
-double Minimise(Errors errors, const Place& place) {
+  const double best = points[static_cast<std::size_t>(least - found.begin())], best_error = *least;
   std::uintmax_t evaluations = kEvaluations;
-  const auto minimum =
-      boost::math::tools::brent_find_minima([&](double x) { return errors(std::vector<double>{x}).front(); },
-                                            place.low, place.high, kBits, evaluations);
-  return minimum.second < place.error ? minimum.first : place.best;
+  const auto minimum = boost::math::tools::brent_find_minima(
+      [&](double x) { return errors(std::vector<double>{x}).front(); }, std::max(low, best - step),
+      std::min(high, best + step), kBits, evaluations);
+  return minimum.second < best_error ? minimum.first : best;
 }
 
 }  // namespace
@@ -304,27 +293,17 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
   const ShapeTrial trial(model, strokes, window, others, start.effect);
   std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
   if (effect.implied) best = {SolveImplied(trial, model, effect, best[0])};
-  if (effect.implied) return Keep(model, start.effect, best, trial.on());
-  const auto along = [&](std::size_t i) {
-    return [&, i](const std::vector<double>& places) {
+  for (std::size_t i = 0; !effect.implied && i < effect.nonlinear.size(); ++i) {
+    const auto [low, high] = Bracket(effect, i, best[i]);
+    const auto along = [&](const std::vector<double>& places) {
       std::vector<std::vector<double>> points(places.size(), best);
       for (std::size_t k = 0; k < places.size(); ++k) points[k][i] = places[k];
       return trial.Errors(points);
     };
-  };
-  std::vector<Place> places;
-  for (std::size_t i = 0; i < best.size(); ++i) {
-    const auto [low, high] = Bracket(effect, i, best[i]);
-    places.push_back(Scan(along(i), low, high, best[i]));
-    best[i] = places.back().best;
+    best[i] = Minimise(along, low, high, best[i]);
   }
-  const std::vector<double> polished = trial.Polished(best);
-  bool closer = polished != best;  // from a scan's best point
-  for (std::size_t i = 0; i < best.size(); ++i)
-    closer = closer && places[i].low <= polished[i] && polished[i] <= places[i].high;
-  if (closer) return Keep(model, start.effect, polished, trial.on());
-  for (std::size_t i = 0; i < best.size(); ++i) best[i] = Minimise(along(i), places[i]);
-  return Keep(model, start.effect, trial.Polished(best), trial.on());
+  if (!effect.implied) best = trial.Polished(best);
+  return Keep(model, start.effect, best, trial.on());
 }
 
 bool AddImpliedShape(ModelStructure& model, const ExtendedFit& fit) {

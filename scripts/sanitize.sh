@@ -20,8 +20,8 @@ if [[ ${1:-} == threads ]]; then
 fi
 scripts/build.sh sanitize "${folders[@]/%/_test}"
 # They repeat one thing a thousand times, or, explaining, take ten seconds and more here.
-export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:*AtLength.*:MissingLimit.A*:ParameterDrift.*\
-:ExplainStates.AStop*:ExplainStates.CallsA*:ExplainStates.Names*:ExplainStates.FindsNothing*\
+export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:MissingDynamics.Noise*:MissingLimit.A*:ParameterDrift.*\
+:ExplainStates.ACube*:ExplainStates.AStop*:ExplainStates.CallsA*:ExplainStates.Names*:ExplainStates.FindsNothing*\
 :ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*\
 :OddStrokes.Another*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.

@@ -125,7 +125,7 @@ TEST(StateMachines, ALongLogIsSearchedInPieces) {
 /// Healthy, with small laws that no file has and that drag or leak take a part of; overflows that are not in the file, one of them
 /// imitated by two effects together, one by a leak in short runs alone, one that spills by one that does not, one by a leak about
 /// whose fit little of it shows.
-TEST(StateMachinesAtLength, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
+TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
   for (const auto& [seed, number] : {std::pair(53, 19), {53, 165}, {77123, 115}, {90817, 67}, {771603, 67}}) {
     StateMachinesOptions options;
     options.seed = static_cast<std::uint32_t>(seed);
@@ -179,7 +179,7 @@ TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy)
 }
 
 /// Alone in a wrong minimum the right effect left what a second one, or nothing at all, seemed to be needed for.
-TEST(StateMachinesAtLength, WhatAWrongMinimumLeavesIsNoSecondEffect) {
+TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
   for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)}) {
     const StateMachineOutcome outcome = OutcomeOf(seed, number);
     EXPECT_EQ(outcome.score.first, 1) << outcome.line;
@@ -195,18 +195,18 @@ TEST(StateMachines, WhereWhatIsLeftIsNoWhiteNoiseEffectsAreTriedThatPromiseNothi
   EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
 }
 
-TEST(StateMachinesAtLength, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
+TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
   const StateMachineOutcome outcome = OutcomeOf(901, 7);
   EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
 }
 
 /// A few spills hold most of the error: chance reaches what functions predict of it in one of twenty logs, and yet it is no all-clear.
-TEST(StateMachinesAtLength, ARareLawOutsideTheFileLeavesNoAllClear) {
+TEST(StateMachines, ARareLawOutsideTheFileLeavesNoAllClear) {
   const StateMachineOutcome outcome = OutcomeOf(61, 31);
   EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
 }
 
-TEST(StateMachinesAtLength, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
+TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
   const StateMachineOutcome outcome = OutcomeOf(6203, 136);
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
 }
@@ -247,7 +247,7 @@ TEST(StateMachines, ALawThatMayBeMissingIsToldByCompareAsByExplain) {
 }
 
 /// Inputs are held. Straight lines are what a file that says nothing means; a spline it says itself.
-TEST(StateMachinesAtLength, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
+TEST(StateMachines, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
   Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
   EpisodeLog log;
   log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 1000}), machine)};
@@ -276,7 +276,7 @@ TEST(StateMachinesAtLength, HowInputsMoveIsFoundWhereTheFileDoesNotSayIt) {
 }
 
 /// Readings of the output between its rows, as a logger takes them that reads the channels in turn.
-TEST(StateMachinesAtLength, OutputsThatAreNewerThanInputsAreNoLawThatIsMissing) {
+TEST(StateMachines, OutputsThatAreNewerThanInputsAreNoLawThatIsMissing) {
   EpisodeLog log;
   log.machine = StatesMachine(StateMachineKind::kOscillator, "");
   SimulatedStates simulated{StateMachineKind::kOscillator, "", 6, 1000};

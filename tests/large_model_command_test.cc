@@ -69,9 +69,7 @@ class LargeModel : public CommandLine {
   }
 };
 
-using LargeModelAtLength = LargeModel;
-
-TEST_F(LargeModelAtLength, OfAllSizesIsFittedExplainedAndReplayed) {
+TEST_F(LargeModel, OfAllSizesIsFittedExplainedAndReplayed) {
   for (const int terms : {11, 12, 13, 17, kMaxParameters}) {
     const std::string log = Log(terms), machine = Machine(terms),
                       db = File(fmt::format("large_{}.db", terms));

@@ -6,7 +6,7 @@
 namespace hydroscope::command_line_test {
 namespace {
 
-class PumpDriftAtLength : public CommandLine {
+class PumpDrift : public CommandLine {
  protected:
   static constexpr int kChange = 101, kAfter = 18;  // episodes
   static constexpr double kSeconds = 0.38;          // of each: some more revolutions than a ripple is told by
@@ -31,7 +31,7 @@ class PumpDriftAtLength : public CommandLine {
   }
 };
 
-TEST_F(PumpDriftAtLength, NamesLeakageThatGrowsWithinFiftyEpisodesAndNothingElse) {
+TEST_F(PumpDrift, NamesLeakageThatGrowsWithinFiftyEpisodesAndNothingElse) {
   const nlohmann::json alarms = Alarms("0.025")["alarms"];
   ASSERT_EQ(alarms.size(), 1) << alarms.dump(1);
   EXPECT_EQ(alarms[0]["alarm"], "leakage_grown");

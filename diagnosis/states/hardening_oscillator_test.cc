@@ -109,7 +109,7 @@ TEST(ExplainStates, ARivalIsAsGoodBesideWhatItsEffectAloneAddsToTheShared) {
 }
 
 /// A spring that hardens, and a little more to one side: the small law that no file has takes nothing of the large one's name.
-TEST(ExplainStatesAtLength, NamesALawBesideWhichASmallOneIsMissing) {
+TEST(ExplainStates, NamesALawBesideWhichASmallOneIsMissing) {
   std::string file = kOscillator;
   const std::size_t quadratic = file.find("[[effect]]\nid = \"quadratic\""), drag = file.rfind("[[effect]]");
   file.erase(quadratic, drag - quadratic);
@@ -173,7 +173,7 @@ TEST(ExplainStates, AStopBesideTheRightEffectIsNotNamedForASpringThatIsNotInTheF
 }
 
 /// A cube is the nearest there is to a fifth power.
-TEST(ExplainStatesAtLength, ACubeIsNotNamedForAFifthPowerThatIsNotInTheFile) {
+TEST(ExplainStates, ACubeIsNotNamedForAFifthPowerThatIsNotInTheFile) {
   for (const double k5 : {100.0, 600.0}) {
     const StatesExplanation x = Explained(OscillatorLog({362, 34, 0, 0, 1, k5}, 1500, 7));
     EXPECT_EQ(x.verdict, Verdict::kUnknown) << k5;

@@ -80,7 +80,7 @@ TEST(FrequencyResponse, IntervalsOfThePublishedValveHoldTheTruthInNinetyFivePerc
   EXPECT_LT(c.worst_f0, 0.005 * 183.9);
 }
 
-TEST(FrequencyResponseAtLength, IntervalsHoldAtFiveKilohertz) {
+TEST(FrequencyResponse, IntervalsHoldAtFiveKilohertz) {
   Sweep sweep;
   sweep.sampling = 5000;
   ExpectHonest(CoverageOver(sweep, 200, "5 kHz"), 200);

@@ -206,15 +206,9 @@ Status Watcher::Look() {
   }
   // What makes a difference; the service's ages and counters change always.
   std::string seen = service.is_object() ? service.value("drift", nlohmann::json()).dump() : "";
-  for (const std::string& name : names) {
-    const auto id = opened.database.MachineId(name);
-    const auto end =
-        TRY(id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error())));
-    seen += fmt::format("{} {}\n", name, end);
-  }
-  // Valves are checked at rest, where nothing else is new.
   const StoredCounts stored = TRY(opened.database.CountStored());
-  seen += fmt::format("valve checks {}\n", stored.valve_checks);
+  seen += fmt::format("{} runs {} strokes {} valve checks {}\n", fmt::join(names, "\n"), stored.runs,
+                      stored.strokes, stored.valve_checks);
   if (opened.journal) {
     const auto last = TRY(opened.journal->LastSequence());
     seen += fmt::format("rows {}\n", last);

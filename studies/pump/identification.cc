@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <numbers>
 
@@ -77,46 +78,32 @@ std::string FoundText(const std::vector<FoundParameter>& found) {
   for (const FoundParameter& p : found)
     text += fmt::format(
         "{:>14} {:>11.5g}, found {:>11.5g} +- {:>9.3g}: {:>+6.2f} % off, {:>+5.1f} standard errors{}\n",
-        p.name, p.truth, p.estimate, kNormal95 * p.standard_error, 100 * (p.estimate / p.truth - 1),
+        p.name, p.truth, p.estimate, kNormal95 * p.standard_error, 100 * p.RelativeError(),
         p.StandardErrorsOff(), HoldsTruth(p) ? "" : ", not held");
   return text;
 }
 
 /// Of each parameter, how many intervals hold the truth and the rms of what it is off in standard errors.
 std::string IntervalsText(const std::vector<PumpCase>& cases) {
+  std::map<std::string, std::vector<FoundParameter>> by_name;
+  for (const PumpCase& c : cases)
+    for (const FoundParameter& p : c.found) by_name[p.name].push_back(p);
   std::string text;
-  for (std::size_t p = 0; p < std::ranges::max(
-                                  cases, {}, [](const PumpCase& c) { return c.found.size(); })
-                                  .found.size();
-       ++p) {
-    int held = 0, judged = 0;
+  for (const auto& [name, found] : by_name) {
     double energy = 0;
-    std::string name;
-    for (const PumpCase& c : cases) {
-      if (c.found.empty()) continue;
-      name = c.found[p].name;
-      ++judged;
-      held += HoldsTruth(c.found[p]);
-      energy += std::pow(c.found[p].StandardErrorsOff(), 2);
-    }
-    text += fmt::format("  {:>4} {} of {}, rms {:.2f} standard errors off\n", name, held, judged,
-                        std::sqrt(energy / judged));
+    for (const FoundParameter& p : found) energy += std::pow(p.StandardErrorsOff(), 2);
+    text += fmt::format("  {:>4} {} of {}, rms {:.2f} standard errors off\n", name,
+                        std::ranges::count_if(found, HoldsTruth), found.size(),
+                        std::sqrt(energy / static_cast<double>(found.size())));
   }
   return text;
 }
 
-std::vector<double> ErrorsOf(const StateFit& fit, const Eigen::VectorXd& truth) {
-  std::vector<double> errors;
-  for (Eigen::Index p = 0; p < truth.size() && fit.solved(); ++p)
-    errors.push_back(fit.parameters[p] / truth[p] - 1);
-  return errors;
-}
-
-/// Of the parameters that the paper identifies.
-double LargestOf(const std::vector<double>& errors) {
-  double largest = errors.empty() ? 1 : 0;
-  for (int p = 0; p < kPublishedParameters && !errors.empty(); ++p)
-    largest = std::max(largest, std::abs(errors[p]));
+/// Of the parameters that the paper identifies the one that is furthest off, relative; 1 without a fit.
+double LargestError(const std::vector<FoundParameter>& found) {
+  double largest = found.empty() ? 1 : 0;
+  for (std::size_t p = 0; p < kPublishedParameters && !found.empty(); ++p)
+    largest = std::max(largest, std::abs(found[p].RelativeError()));
   return largest;
 }
 
@@ -141,9 +128,8 @@ PumpCase FitPump(const PumpOptions& options) {
   out.seconds = ThreadSeconds() - begin;
   out.outlet = FitAndFollow(outlet, log, pulse);
   out.linear = FitAndFollow(LinearPumpFile(), log, pulse);
-  out.error_all = ErrorsOf(out.all.fit, truth);
-  out.error_outlet = ErrorsOf(out.outlet.fit, truth);
   out.found = FoundOf(out.all.fit, truth);
+  out.found_outlet = FoundOf(out.outlet.fit, truth);
   if (out.outlet.solved) {
     const Episode episode = PumpEpisode(log, outlet);
     const ToldTogether together = FindToldTogether(out.outlet.fit, std::span(&episode, 1));
@@ -170,8 +156,8 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
         fmt::print(
             "{:>5} {:>10.1f} {:>6.1f} {:>6.2f} {:>8.2f} {:>6.2f} {:>8.2f} {:>6.2f} {:>8.1f} {:>6.1f} {:>12.2f} {:>13.2f} {:>7.1f}  {}\n",
             o.seed + k, c.ripple / 1e3, c.ripple_smoothed / 1e3, c.ripple_left / 1e3, c.all.log, c.all.pulse,
-            c.outlet.log, c.outlet.pulse, c.linear.log, c.linear.pulse, 100 * LargestOf(c.error_all),
-            100 * LargestOf(c.error_outlet), c.seconds,
+            c.outlet.log, c.outlet.pulse, c.linear.log, c.linear.pulse, 100 * LargestError(c.found),
+            100 * LargestError(c.found_outlet), c.seconds,
             c.together.empty()
                 ? ""
                 : fmt::format("{} together: {}", fmt::join(c.together, " "), fmt::join(c.sensors, " or ")));
@@ -189,13 +175,13 @@ bool PrintPumpIdentification(const PumpBenchmarkOptions& o) {
       worst_pulse = std::min(worst_pulse, fits->pulse);
     }
     for (std::size_t p = 0; p < errors.size(); ++p)
-      errors[p] += (c.error_all.empty() ? 1.0 : c.error_all[p] * c.error_all[p]) / o.machines;
+      errors[p] += (c.found.empty() ? 1.0 : std::pow(c.found[p].RelativeError(), 2)) / o.machines;
     inside += static_cast<double>(std::ranges::count_if(c.found, HoldsTruth));
     judged += static_cast<double>(c.found.size());
     linear += c.linear.log / o.machines;
     linear_pulse += c.linear.pulse / o.machines;
     // What is not told is said, with a sensor that would tell it.
-    advised += !c.sensors.empty() || (c.outlet.solved && LargestOf(c.error_outlet) < kGoalError);
+    advised += !c.sensors.empty() || (c.outlet.solved && LargestError(c.found_outlet) < kGoalError);
   }
   inside /= std::max(judged, 1.0);
   for (const double square : errors) worst_error = std::max(worst_error, std::sqrt(square));

@@ -9,6 +9,7 @@ namespace hydroscope {
 struct FoundParameter {
   std::string name;
   double truth = 0, estimate = 0, standard_error = 0;
+  double RelativeError() const { return estimate / truth - 1; }
   double StandardErrorsOff() const { return (estimate - truth) / standard_error; }
 };
 
@@ -22,11 +23,11 @@ struct PumpCase {
     StateFit fit;
   };
   Fits all, outlet, linear;  ///< all sensors, outlet pressure alone, the published linear model on that
-  std::vector<double> error_all, error_outlet;  ///< relative, per parameter
-  std::vector<FoundParameter> found;            ///< with all sensors; empty: there is no fit
-  std::vector<std::string> together;            ///< parameters that the outlet pressure alone does not tell
-  std::vector<std::string> sensors;             ///< that are named for them
-  double seconds = 0;                           ///< CPU time of the fit with all sensors
+  std::vector<FoundParameter> found,
+      found_outlet;                   ///< with all sensors, with that alone; empty: there is no fit
+  std::vector<std::string> together;  ///< parameters that the outlet pressure alone does not tell
+  std::vector<std::string> sensors;   ///< that are named for them
+  double seconds = 0;                 ///< CPU time of the fit with all sensors
 };
 PumpCase FitPump(const PumpOptions& options);
 

@@ -308,7 +308,7 @@ TEST(NothingFalse, ASpoolSensorThatIsNotLinearIsNoOtherCauseForSure) {
 }
 
 /// Some of these bends are lost in the noise.
-TEST(NothingFalseAtLength, NorIsOneThatBendsInAnotherWay) {
+TEST(NothingFalse, NorIsOneThatBendsInAnotherWay) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     ExpectNoOtherNameForSure(
         WithBentSpoolReading(seed, [](double y) { return 0.02 * std::sin(std::numbers::pi * y); }), seed);

@@ -67,7 +67,7 @@ TEST(MissingDynamics, ASecondLoadIsToldOfAndNotNamedAsDrag) {
   EXPECT_THAT(x.warnings, testing::Contains(testing::Field(&Told::english, HasSubstr("the past of inputs"))));
 }
 
-TEST(MissingDynamicsAtLength, NoiseOfAnyKindIsNone) {
+TEST(MissingDynamics, NoiseOfAnyKindIsNone) {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     EXPECT_FALSE(Found({}, seed)) << seed;
     EXPECT_FALSE(Found({.colour = 0.9}, seed)) << seed;

@@ -81,7 +81,7 @@ TEST(MissingLimit, AFullTankThatTheFileDoesNotKnowHidesNoOverflow) {
   EXPECT_THAT(x.warnings.front().english, HasSubstr("for h_2 in [states]"));
 }
 
-TEST(MissingLimitAtLength, ASensorThatEndsHidesNoOverflow) {
+TEST(MissingLimit, ASensorThatEndsHidesNoOverflow) {
   const Episode episode = Cascade(10, 100, 9.5);
   const StatesExplanation x = ExplainStates(TwoTanks(), std::span(&episode, 1));
   EXPECT_EQ(x.verdict, Verdict::kNamed);
@@ -90,7 +90,7 @@ TEST(MissingLimitAtLength, ASensorThatEndsHidesNoOverflow) {
   EXPECT_THAT(x.warnings.front().english, HasSubstr("in [outputs]"));
 }
 
-TEST(MissingLimitAtLength, AloneItIsNoAllClear) {
+TEST(MissingLimit, AloneItIsNoAllClear) {
   const Episode episode = Cascade(100, 10, 100);
   const StatesExplanation x = ExplainStates(TwoTanks(), std::span(&episode, 1));
   EXPECT_EQ(x.verdict, Verdict::kUnknown);

@@ -58,7 +58,7 @@ TEST(ParameterDrift, OneThatMovesWithinTheLogIsToldWithItsSizeAndNoAllClearIsGiv
   }
 }
 
-TEST(ParameterDriftAtLength, NoiseOfSensorOrProcessIsNone) {
+TEST(ParameterDrift, NoiseOfSensorOrProcessIsNone) {
   for (unsigned seed = 1; seed <= 8; ++seed)
     for (const double process : {0.0, 3.0}) {
       const Episode episode = Swung(0, process, seed);
