@@ -10,7 +10,7 @@
 namespace hydroscope {
 
 int FreeDomain() {
-  constexpr int kDomains = 100;
+  constexpr int kDomains = 90;
   const int first = static_cast<int>(getpid()) % kDomains;
   for (int k = 0; k < kDomains; ++k) {
     const int domain = 1 + (first + k) % kDomains;
