@@ -68,6 +68,18 @@ std::string_view OutputSi(const Machine& machine) {
   return kind.output_unit.empty() ? std::string_view(machine.balance.unit) : kind.output_unit;
 }
 
+void CompleteGate(Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  if (kind.gate == nullptr) return;
+  for (GateBound& bound : kind.gate(machine)) {
+    const bool has_sign = std::ranges::any_of(machine.gate.bounds, [&](const GateBound& b) {
+      const bool one_side = b.magnitude || (b.min && *b.min >= 0) || (b.max && *b.max <= 0);
+      return b.signal == bound.signal && !b.rate && one_side;
+    });
+    if (!has_sign) machine.gate.bounds.push_back(std::move(bound));
+  }
+}
+
 MachineWords WordsOf(const Machine& machine) { return KindOf(machine).words(machine); }
 
 MachinePicture PictureOf(const Machine& machine) {

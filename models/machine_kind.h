@@ -87,6 +87,9 @@ struct MachineKind {
   Result<std::shared_ptr<ModelStructure>> (*build)(const Machine&) = nullptr;
   /// The built-in effects for one machine, in fixed order; nullptr: none. Of a Machine{} for what is said of them alone.
   std::vector<std::shared_ptr<const Effect>> (*effects)(const Machine&) = nullptr;
+  /// Bounds that every gate has which says nothing of their signal's sign: where a signal's sign decides what the machine does,
+  /// values close to zero do not. nullptr: none.
+  std::vector<GateBound> (*gate)(const Machine&) = nullptr;
   /// Names of the channels that those effects mean by Effect::channels.
   std::span<const std::string_view> channels = {};
   ExperimentRules experiment = {};
@@ -113,6 +116,8 @@ std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);
 MachineWords WordsOf(const Machine& machine);
+/// Adds the bounds of MachineKind::gate that the machine's gate has not.
+void CompleteGate(Machine& machine);
 MachinePicture PictureOf(const Machine& machine);
 /// Whether its rows are judged episode by episode, each as a whole: machines with states and plants in closed loop. What an
 /// episode leaves behind is linearised in the parameters (models/episode_structure.h).

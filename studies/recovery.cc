@@ -10,6 +10,7 @@
 
 #include "core/constants.h"
 #include "host/output.h"
+#include "models/machine_kind.h"
 #include "simulator/die_cushion/effects.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
@@ -63,11 +64,11 @@ std::vector<RecoveredValue> RecoveredShapes(const EffectInfo& info, const Effect
 Machine ExtendedMachine(const PressOptions& options, const std::string& effect) {
   Machine machine = MachineFor(options);
   machine.added_effects = {effect};
-  // Drawing and return strokes between the rests.
-  constexpr double kFromRest = 0.015;  // m
-  if (NeedsBothEdges(effect))
-    machine.gate.bounds = {
-        {"z", false, options.motion.z_bottom + kFromRest, options.motion.z_top - kFromRest}};
+  // Drawing and return strokes, and of machines with a short way the rests between them.
+  if (NeedsBothEdges(effect)) {
+    machine.gate.bounds = {{"z", false, 0.03, 0.185}};
+    CompleteGate(machine);
+  }
   return machine;
 }
 

@@ -41,7 +41,7 @@ TEST(Recovery, WhatTheSpoolDidBetweenSamplesIsInTheIntervalOfItsPlay) {
   EXPECT_LT(DeviationOf("spool_hysteresis", 7010010), 2);
 }
 
-TEST(Recovery, NoRestIsTakenForAStrokeHoweverShortTheMachinesWay) {
+TEST(Recovery, NoRestBendsALawOfTheNullHoweverShortTheMachinesWay) {
   EXPECT_LT(DeviationOf("valve_flow_asymmetry", 7002008), 2);
   EXPECT_LT(DeviationOf("spool_overlap", 7003009), 2);
 }

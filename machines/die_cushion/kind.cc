@@ -139,6 +139,13 @@ const std::array<PressureRule, 3> kCushionPressures = {{
      .open = kOpen},
 }};
 
+/// Which edge is open, and so which pressure drives the flow, is known only off the valve's null, which may lie some per cent
+/// beside zero; without the supply pressure only that of the edge to the tank is.
+std::vector<GateBound> CushionGate(const Machine& machine) {
+  constexpr double kOffNull = 0.02;
+  return {{"y_v", false, kOffNull, {}, machine.SignalIndex("p_0") >= 0}};
+}
+
 MachineWords CushionWords(const Machine&) {
   return {.output = {"flow", "Durchfluss"},
           .stroke = {"drawing stroke", "Ziehhub"},
@@ -169,6 +176,7 @@ const MachineKind kDieCushion = {.id = "die_cushion",
                                  .draft = kCushionDraft,
                                  .build = BuildDieCushion,
                                  .effects = CushionEffects,
+                                 .gate = CushionGate,
                                  .channels = kCushionChannels,
                                  .experiment = kCushionExperiment};
 

@@ -92,6 +92,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadGeometry(file, machine);
   FillGeometry(machine);
   ReadGate(file, machine);
+  CompleteGate(machine);
   ReadConditions(file, machine);
   ReadWindow(file, machine);
   ReadEstimator(file, machine);

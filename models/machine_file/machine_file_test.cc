@@ -114,6 +114,22 @@ TEST(MachineFile, RatesInTheGateTakeAnyUnitOverSeconds) {
   EXPECT_DOUBLE_EQ(*machine.gate.bounds[1].min, -0.1);
 }
 
+TEST(MachineFile, AGateThatSaysNothingOfTheSpoolKeepsItOffItsNull) {
+  const auto bounds = [](const std::string& supply, const std::string& gate) {
+    std::string text = kCushion;
+    const auto at = text.find("[geometry]");
+    return Parse(text.insert(at, supply) + gate).gate.bounds;
+  };
+  const std::string supply = "p_0 = { column = \"p_0\", unit = \"bar\" }\n";
+  const std::string way = "[gate]\nconditions = { z = { min = 0.03 } }";
+  ASSERT_EQ(bounds(supply, way).size(), 2u);
+  EXPECT_EQ(bounds(supply, way)[1], (GateBound{"y_v", false, 0.02, {}, true}));
+  EXPECT_EQ(bounds("", way)[1],
+            (GateBound{"y_v", false, 0.02, {}, false}));  // p_0 drives what opens below the null
+  EXPECT_EQ(bounds(supply, "[gate]\nconditions = { y_v = { min = 0.01 } }").size(), 1u);
+  EXPECT_EQ(bounds(supply, "[gate]\nconditions = { y_v = { min = -0.5 } }").size(), 2u);
+}
+
 TEST(MachineFile, MonitorLimitsAreGivenInTheUnitOfTheSection) {
   const Machine machine = Parse(kCushion +
                                 "[monitor.Q_vn]\nunit = \"l/min\"\nwarn_high = 115\n"
