@@ -73,7 +73,7 @@ void CompleteGate(Machine& machine) {
   if (kind.gate == nullptr) return;
   for (GateBound& bound : kind.gate(machine)) {
     const bool has_sign = std::ranges::any_of(machine.gate.bounds, [&](const GateBound& b) {
-      const bool one_side = b.magnitude || (b.min && *b.min >= 0) || (b.max && *b.max <= 0);
+      const bool one_side = b.magnitude || (b.min && *b.min > 0) || (b.max && *b.max < 0);
       return b.signal == bound.signal && !b.rate && one_side;
     });
     if (!has_sign) machine.gate.bounds.push_back(std::move(bound));

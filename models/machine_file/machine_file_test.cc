@@ -127,7 +127,7 @@ TEST(MachineFile, AGateThatSaysNothingOfTheSpoolKeepsItOffItsNull) {
   EXPECT_EQ(bounds("", way)[1],
             (GateBound{"y_v", false, 0.02, {}, false}));  // p_0 drives what opens below the null
   EXPECT_EQ(bounds(supply, "[gate]\nconditions = { y_v = { min = 0.01 } }").size(), 1u);
-  EXPECT_EQ(bounds(supply, "[gate]\nconditions = { y_v = { min = -0.5 } }").size(), 2u);
+  EXPECT_EQ(bounds(supply, "[gate]\nconditions = { y_v = { min = 0 } }").size(), 2u);
 }
 
 TEST(MachineFile, MonitorLimitsAreGivenInTheUnitOfTheSection) {
