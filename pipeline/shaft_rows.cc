@@ -10,9 +10,9 @@
 namespace hydroscope {
 namespace {
 
-/// Angle of the shaft at each row, in new rows. The speed may be negative, its readings moving evenly in between.
+/// Angle of the shaft at each row, in turns. The speed may be negative, its readings moving evenly in between.
 std::vector<double> AnglesOf(const Episode& episode, int speed) {
-  constexpr double kPerRadian = kRowsPerRevolution / (2 * std::numbers::pi);
+  constexpr double kPerRadian = 1 / (2 * std::numbers::pi);
   std::vector<double> angle = {0};
   for (int row = 1; row < episode.rows(); ++row) {
     const auto at = static_cast<std::size_t>(row);
@@ -40,14 +40,17 @@ struct Place {
   double time = 0;
 };
 
-std::vector<Place> PlacesOf(const Episode& episode, const std::vector<double>& angle) {
+/// At equal angles, `rows` of them per turn.
+std::vector<Place> PlacesOf(const Episode& episode, const std::vector<double>& turns, int rows) {
   std::vector<Place> places;
   int row = 0;
-  for (int k = 0; k <= static_cast<int>(angle.back()); ++k) {
-    while (row + 2 < episode.rows() && angle[static_cast<std::size_t>(row) + 1] < k) ++row;
+  for (int k = 0; k <= static_cast<int>(rows * turns.back()); ++k) {
+    while (row + 2 < episode.rows() && rows * turns[static_cast<std::size_t>(row) + 1] < k) ++row;
     const auto at = static_cast<std::size_t>(row);
     const double share =
-        angle[at + 1] > angle[at] ? std::clamp((k - angle[at]) / (angle[at + 1] - angle[at]), 0.0, 1.0) : 0.0;
+        turns[at + 1] > turns[at]
+            ? std::clamp((k - rows * turns[at]) / (rows * (turns[at + 1] - turns[at])), 0.0, 1.0)
+            : 0.0;
     places.push_back({row, share, episode.time[at] + share * (episode.time[at + 1] - episode.time[at])});
   }
   return places;
@@ -98,60 +101,56 @@ void TakePolygon(const Episode& episode, int signal, const std::vector<Place>& p
   }
 }
 
-ShaftRipple RippleOf(const Episode& episode, int signal, const std::vector<double>& angle) {
-  std::vector<double> turns, readings;
-  for (int row = 0; row < episode.rows(); ++row) {
-    turns.push_back(angle[row] / kRowsPerRevolution);
-    readings.push_back(episode.signal(row, signal));
-  }
+ShaftRipple RippleOf(const Episode& episode, int signal, const std::vector<double>& turns) {
+  std::vector<double> readings;
+  for (int row = 0; row < episode.rows(); ++row) readings.push_back(episode.signal(row, signal));
   return {turns, readings};
 }
 
 /// Means over whole revolutions, at the row where each ends. Over the angle, not over time: that is what repeats with the shaft.
 /// A ripple that grows or fades within a revolution has a mean of its own: it is taken out before.
-void TakeMeans(const Episode& episode, int signal, const std::vector<double>& angle,
+void TakeMeans(const Episode& episode, int signal, const std::vector<double>& turns,
                const std::vector<Place>& places, Episode& out) {
   out.signal.col(signal).setConstant(std::numeric_limits<double>::quiet_NaN());
-  const ShaftRipple ripple = RippleOf(episode, signal, angle);
+  const ShaftRipple ripple = RippleOf(episode, signal, turns);
   for (Eigen::Index k = 0; k < out.rows(); ++k)
-    out.ripple(k, signal) = ripple.SlowAt(static_cast<double>(k) / kRowsPerRevolution, kRowsPerRevolution);
-  const auto reading = [&](int row) {
-    return episode.signal(row, signal) - ripple.At(angle[row] / kRowsPerRevolution);
-  };
-  for (std::size_t k = kRowsPerRevolution; k < places.size(); k += kRowsPerRevolution) {
-    const Place &from = places[k - kRowsPerRevolution], &to = places[k];
+    out.ripple(k, signal) = ripple.SlowAt(static_cast<double>(k) / out.mean_rows, out.mean_rows);
+  const auto reading = [&](int row) { return episode.signal(row, signal) - ripple.At(turns[row]); };
+  const auto step = static_cast<std::size_t>(out.mean_rows);
+  for (std::size_t k = step; k < places.size(); k += step) {
+    const Place &from = places[k - step], &to = places[k];
     double sum = 0;
     for (int row = from.row; row <= to.row; ++row) {
       const auto at = static_cast<std::size_t>(row);
       const double begin = row == from.row ? from.share : 0.0, end = row == to.row ? to.share : 1.0;
       const double y = reading(row), rise = reading(row + 1) - y;
-      sum += (angle[at + 1] - angle[at]) * (end - begin) * (y + 0.5 * (begin + end) * rise);
+      sum += (turns[at + 1] - turns[at]) * (end - begin) * (y + 0.5 * (begin + end) * rise);
     }
-    out.signal(static_cast<Eigen::Index>(k), signal) = sum / kRowsPerRevolution;
+    out.signal(static_cast<Eigen::Index>(k), signal) = sum;
   }
 }
 
 }  // namespace
 
 double RowsPerRevolution(const Episode& episode, int speed) {
-  const double revolutions = AnglesOf(episode, speed).back() / kRowsPerRevolution;
+  const double revolutions = AnglesOf(episode, speed).back();
   return revolutions > 0 ? episode.rows() / revolutions : 0.0;
 }
 
 Episode AtShaftAngles(const Episode& episode, int speed, const std::vector<int>& outputs, InputHold hold) {
-  const std::vector<double> angle = AnglesOf(episode, speed);
-  const std::vector<Place> places = PlacesOf(episode, angle);
+  const std::vector<double> turns = AnglesOf(episode, speed);
   Episode out;
+  out.mean_rows = (outputs.size() > 1 ? 2 : 1) * kRowsPerRevolution;
+  const std::vector<Place> places = PlacesOf(episode, turns, out.mean_rows);
   out.log = episode.log;
   out.first_row = episode.first_row;
-  out.mean_rows = kRowsPerRevolution;
   if (places.size() < 2) return out;
   for (const Place& p : places) out.time.push_back(p.time);
   out.signal.resize(out.rows(), episode.signal.cols());
   out.ripple = RowMatrix::Zero(out.rows(), episode.signal.cols());
   for (int s = 0; s < episode.signal.cols(); ++s) {
     if (Contains(outputs, s))
-      TakeMeans(episode, s, angle, places, out);
+      TakeMeans(episode, s, turns, places, out);
     else if (hold != InputHold::kZero)
       TakePolygon(episode, s, places, out);
     else

@@ -6,7 +6,8 @@
 
 namespace hydroscope {
 
-/// Rows per revolution that an episode keeps: what its equations are run over, and Simpson's rule takes means of.
+/// Rows per revolution that an episode keeps: what its equations are run over, and Simpson's rule takes means of. Several outputs
+/// tell parameters so well that lines between so few inputs would show in them: of these twice as many are kept.
 inline constexpr int kRowsPerRevolution = 8;
 /// Rows of a log per revolution below which what repeats with the shaft is not seen well enough to be taken out.
 inline constexpr double kLeastRowsPerRevolution = 20;

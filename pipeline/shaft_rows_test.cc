@@ -142,6 +142,11 @@ TEST(ShaftRows, KeepTheSlowRippleOfOutputsAsLinesBetweenRows) {
   EXPECT_NEAR(product / energy, 0.2 / 0.95, 0.005) << "lines between eight rows lose 5 % of it";
 }
 
+TEST(ShaftRows, AreTwiceAsManyWhereSeveralOutputsTellOfThem) {
+  const Episode episode = Rippled(0);
+  EXPECT_EQ(AtShaftAngles(episode, 0, {1, 2}, InputHold::kLinear).mean_rows, 2 * Taken(episode).mean_rows);
+}
+
 TEST(ShaftRows, KeepsInputsThatMoveEvenly) {
   const Episode taken = Taken(Rippled(1));
   for (int row = 0; row < taken.rows(); ++row)

@@ -18,9 +18,16 @@ std::string ChamberStiffness() { return "E/(V_c + A_p*x_p)"; }
 
 std::string OutletPressure() { return fmt::format("(p - T_q*load_flow*{})", LineStiffness()); }
 
-std::string FlowIn() { return "K_q*max(x_v, 0)*" + RootOf(OutletPressure() + " - p_c"); }
+std::string EdgeOpening(const std::string& deflection, bool round) {
+  const std::string sharp = "max(" + deflection + ", 0)";
+  return round ? "(" + sharp + " + r_e*ln(1 + exp(-abs(x_v)/r_e)))" : sharp;
+}
 
-std::string FlowOut() { return "K_q*max(-x_v, 0)*" + RootOf("p_c - p_t"); }
+std::string FlowIn(bool round) {
+  return "K_q*" + EdgeOpening("x_v", round) + "*" + RootOf(OutletPressure() + " - p_c");
+}
+
+std::string FlowOut(bool round) { return "K_q*" + EdgeOpening("-x_v", round) + "*" + RootOf("p_c - p_t"); }
 
 std::string DryFriction(const std::string& force, const std::string& speed, const std::string& sets_in) {
   return fmt::format("{}*{}/sqrt(({})^2 + ({})^2)", force, speed, speed, sets_in);

@@ -8,9 +8,11 @@ namespace hydroscope::pump {
 
 /// Pa; pressure at the outlet: its state is `p`, that pressure plus what the lag of the flow sensor holds back (docs/pump.md).
 std::string OutletPressure();
+/// m; how far the spool opens an edge by a deflection, "x_v" or "-x_v". `round`: near the null over r_e, exactly 0 only far beyond.
+std::string EdgeOpening(const std::string& deflection, bool round);
 /// m^3/s; through the metering edges of the compensator from outlet to control chamber, and from there to tank: equation 2.
-std::string FlowIn();
-std::string FlowOut();
+std::string FlowIn(bool round);
+std::string FlowOut(bool round);
 /// m^3/s; what the pistons deliver, equation 5.
 std::string Delivered();
 /// N; dry friction that sets in over a speed.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "machines/inputs.h"
@@ -66,7 +67,7 @@ constexpr std::array<MachineInput, 15> kPumpGeometry = {{
             1e-2),
 }};
 
-constexpr std::array<MachineParameter, 8> kPumpParameters = {{
+constexpr std::array<MachineParameter, 9> kPumpParameters = {{
     Identified("K_v", "N/m", {"stiffness of the compensator spring", "Steifigkeit der Reglerfeder"},
                {"The compensator spring; a weak or cracked one is softer.",
                 "Die Feder des Reglers; eine schwache oder gebrochene ist weicher."},
@@ -103,6 +104,13 @@ constexpr std::array<MachineParameter, 8> kPumpParameters = {{
         {"Below 1: the slow ripple at the outlet holds the pump's own answer, and lines dampen it.",
          "Unter 1: In der langsamen Pulsation am Ausgang steckt die eigene Antwort der Pumpe, und Leitungen dämpfen sie."},
         "R_{p}"),
+    Identified(
+        "r_e", "m",
+        {"opening over which the compensator's edges are round",
+         "Öffnung, über die die Kanten des Reglers rund sind"},
+        {"Edges are not sharp, and the fast ripple shakes the spool over its null; it grows as edges wear.",
+         "Kanten sind nicht scharf, und die schnelle Pulsation rüttelt den Schieber über seine Mitte; sie wächst mit dem Verschleiß der Kanten."},
+        "r_{e}", "µm", 1e6),
 }};
 
 /// Start of each parameter is that of a pump of 100 l/min; the range reaches a factor of 5 to both sides.
@@ -117,16 +125,20 @@ constexpr char kAtRest[] = "X_p*(1 - load_flow/(shaft_speed*D_max))";
 StatesSpec PumpStates(const Machine& machine) {
   StatesSpec spec;
   const bool ripples = !machine.states.shaft.empty();
+  // The outlet pressure alone does not tell how round edges are.
+  const bool round = ripples && std::ranges::any_of(machine.signals, [](const SignalSpec& signal) {
+                       return signal.name == "control_pressure" || signal.name == "control_position";
+                     });
   spec.states = {
       {.name = "p_c",
-       .ddt = fmt::format("{}*({} - {} - C_l*p_c - A_p*v_p)", pump::ChamberStiffness(), pump::FlowIn(),
-                          pump::FlowOut()),
+       .ddt = fmt::format("{}*({} - {} - C_l*p_c - A_p*v_p)", pump::ChamberStiffness(), pump::FlowIn(round),
+                          pump::FlowOut(round)),
        .min = "0",
        .unit = "Pa",
        .near = fmt::format("K_p*{}/A_p", kAtRest)},
       {.name = "p",
        .ddt = fmt::format("{}*({} - {} - A_v*v_v - load_flow)", pump::LineStiffness(), pump::Delivered(),
-                          pump::FlowIn()),
+                          pump::FlowIn(round)),
        .unit = "Pa",
        .near = "outlet_pressure + T_q*load_flow*" + pump::LineStiffness()},
       {.name = "x_p", .ddt = "v_p", .min = "0", .max = "X_p", .unit = "m", .near = kAtRest},
@@ -150,6 +162,7 @@ StatesSpec PumpStates(const Machine& machine) {
                      PumpParameter("V_t", 4e-3, "m3"),         PumpParameter("F_0", 1000, "N"),
                      PumpParameter("T_q", 6e-3, "s")};
   if (ripples) spec.parameters.push_back({.name = "R_p", .start = 0.8, .min = 0, .max = 2, .unit = "1"});
+  if (round) spec.parameters.push_back({.name = "r_e", .start = 2e-6, .min = 2e-7, .max = 2e-5, .unit = "m"});
   return spec;
 }
 
