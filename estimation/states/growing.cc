@@ -62,9 +62,11 @@ class GrowingFit {
     double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
     while (true) {
       const bool last = rows >= longest;
-      if (!Minimise(rows, last ? options_.iterations : options_.start_iterations,
-                    last ? options_.start_tolerance : options_.horizon_tolerance))
-        point_.cost = std::numeric_limits<double>::infinity();
+      const int iterations = last ? options_.iterations : options_.start_iterations;
+      const double tolerance = last ? options_.start_tolerance : options_.horizon_tolerance;
+      bool fine = Minimise(rows, iterations, tolerance);
+      if (fine && BeginsBetterAsGuessed(rows)) fine = Minimise(rows, iterations, tolerance);
+      if (!fine) point_.cost = std::numeric_limits<double>::infinity();
       const double cost = point_.cost / rows;
       if (!(cost < kAstray * least) && growth > kLeast && rows > reached) {
         growth = std::sqrt(growth);
@@ -93,6 +95,17 @@ class GrowingFit {
   int parameters() const { return static_cast<int>(point_.q.size()); }
   int unknowns() const { return parameters() + static_cast<int>(free_.size() * segments_.size()); }
 
+  /// Where the run had begun was guessed with other parameters: what these say is taken if it costs less.
+  bool BeginsBetterAsGuessed(int rows) {
+    if (free_.empty()) return false;
+    shooting::Point guessed = point_;
+    shooting::GuessSegments(task_, segments_, guessed);
+    guessed.cost = Evaluate(guessed, rows).cost;
+    if (!(guessed.cost < point_.cost)) return false;
+    point_ = std::move(guessed);
+    return true;
+  }
+
   /// False if the model diverges at the point it begins at.
   bool Minimise(int rows, int iterations, double tolerance) {
     // Of the largest curvature: Gauss and Newton's step is tried first, and damped until none is too long to be trusted.
@@ -106,6 +119,7 @@ class GrowingFit {
     if (!std::isfinite(here.cost)) return false;
     const double largest = here.hessian.diagonal().head(parameters()).maxCoeff();
     double damping = first * largest;
+    bool refused = false;  // the last step: one as little damped as before would be refused again
     for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
       const auto next = Stepped(here, damping, damping / largest);
       if (!next) {
@@ -118,12 +132,14 @@ class GrowingFit {
       if (!(there.cost < here.cost)) {
         if (std::isfinite(there.cost) && there.cost - here.cost < small) break;
         damping *= kMore * kMore;
+        refused = true;
         continue;
       }
       const double gain = here.cost - there.cost;
       point_ = *next;
       here = std::move(there);
-      damping = std::max(damping * kLess, kLeast * largest);
+      if (!refused) damping = std::max(damping * kLess, kLeast * largest);
+      refused = false;
       if (gain < small) break;
     }
     point_.cost = here.cost;
@@ -220,14 +236,10 @@ class GrowingFit {
 
 }  // namespace
 
-bool SeesMuch(const StateModel& model) {
-  const bool sought = Contains(model.near, true);
-  return model.output.rows >= kOutputsThatGrow && !sought;
-}
+bool SeesMuch(const StateModel& model) { return model.output.rows >= kOutputsThatGrow; }
 
 bool GrowsHorizon(const StateModel& model) {
-  const bool sought = Contains(model.near, true);
-  return (model.output.rows >= kOutputsThatGrow || sought) && model.parameter_count() > 0;
+  return (SeesMuch(model) || Contains(model.near, true)) && model.parameter_count() > 0;
 }
 
 Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,

@@ -5,8 +5,8 @@
 
 namespace hydroscope {
 
-/// Whether so many outputs are measured, and no initial state has to be sought, that Gauss and Newton's steps go the right way
-/// from far off, and normal equations lose no digit that matters.
+/// Whether so many outputs are measured that Gauss and Newton's steps go the right way from far off, and normal equations lose no
+/// digit that matters.
 bool SeesMuch(const StateModel& model);
 /// Whether a model is fitted over a growing horizon: several outputs, or what the file says they lie near, tell
 /// the states from a few rows on.
