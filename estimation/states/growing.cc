@@ -95,9 +95,9 @@ class GrowingFit {
   int parameters() const { return static_cast<int>(point_.q.size()); }
   int unknowns() const { return parameters() + static_cast<int>(free_.size() * segments_.size()); }
 
-  /// Where the run had begun was guessed with other parameters: what these say is taken if it costs less.
+  /// What the file says a run begins near was said with other parameters: with these it is taken if it costs less.
   bool BeginsBetterAsGuessed(int rows) {
-    if (free_.empty()) return false;
+    if (!Contains(task_.model->near, true)) return false;
     shooting::Point guessed = point_;
     shooting::GuessSegments(task_, segments_, guessed);
     guessed.cost = Evaluate(guessed, rows).cost;
