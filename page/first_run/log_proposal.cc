@@ -288,7 +288,10 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
   for (const MachineInput& input : KindOf(machine).geometry)  // also what the draft had a usual value for
     if (const auto known = mapping.geometry.find(std::string(input.name)); known != mapping.geometry.end())
       machine.geometry[known->first] = {known->second, 0};
-  if (mapping.gate) machine.gate.bounds = *mapping.gate;
+  if (mapping.gate) {
+    machine.gate.bounds = *mapping.gate;
+    CompleteGate(machine);
+  }
   if (mapping.balance && KindOf(machine).own_library) machine.balance = *mapping.balance;
   if (mapping.effects && KindOf(machine).own_library)
     machine.user_effects = WithWords(*mapping.effects, machine.user_effects);

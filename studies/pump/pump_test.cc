@@ -32,31 +32,36 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.found[p].RelativeError(), 0, within[p]) << p;
 }
 
+/// A pump with sensors of its control chamber: the model of its file, and what a log of twelve seconds holds.
+struct MeasuredPump {
+  explicit MeasuredPump(PumpOptions options) {
+    options.seconds = 12;
+    const Machine machine = PumpFile(true);
+    const auto built = BuildStateModel(machine, {});
+    if (!built) throw std::runtime_error(built.error().text);
+    model = *built;
+    episodes = {PumpEpisode(SimulatePump(options), machine)};
+  }
+  std::shared_ptr<const StateModel> model;
+  std::vector<Episode> episodes;  // one
+};
+
 /// Pistons of this pump that are not quite alike move its spool once per revolution, all the more while the flow steps.
 TEST(PumpStudy, RippleThatMovesTheSpoolBendsNoParameter) {
-  PumpOptions options = RandomPump(171);
-  options.seconds = 12;
-  const Machine machine = PumpFile(true);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model) << model.error().text;
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
-  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  const PumpOptions options = RandomPump(171);
+  const MeasuredPump pump(options);
+  const StateFit fit = FitStates(pump.model, pump.episodes);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const Eigen::VectorXd truth = PumpParameters(options);
   for (int p = 0; p < 5; ++p)
-    EXPECT_NEAR(fit.parameters[p] / truth[p], 1, 0.005) << (*model)->parameters[p].name;
+    EXPECT_NEAR(fit.parameters[p] / truth[p], 1, 0.005) << pump.model->parameters[p].name;
 }
 
 /// From this pump's second start the compensator's spool is guessed at a stop, where it stayed though the parameters were found: nine
 /// starts were tried.
 TEST(PumpStudy, WhereARunBeganIsGuessedAnewOnceParametersAreFound) {
-  PumpOptions options = RandomPump(62011);
-  options.seconds = 12;
-  const Machine machine = PumpFile(true);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model) << model.error().text;
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
-  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  const MeasuredPump pump(RandomPump(62011));
+  const StateFit fit = FitStates(pump.model, pump.episodes);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_LE(fit.starts_tried, 3);
 }
@@ -65,17 +70,13 @@ TEST(PumpStudy, WhereARunBeganIsGuessedAnewOnceParametersAreFound) {
 /// pressure of this pump though nothing was noisy, and a line volume that was always too large.
 TEST(PumpStudy, ItsRowsLeaveLittleOfAPumpWithoutNoise) {
   PumpOptions options = RandomPump(41005);
-  options.seconds = 12;
   options.ripple = 0;
   options.sensors = {0, 0, 0, 0, options.sensors.flow_lag};
-  const Machine machine = PumpFile(true);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model) << model.error().text;
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
-  Eigen::VectorXd truth((*model)->parameter_count());
+  const MeasuredPump pump(options);
+  Eigen::VectorXd truth(pump.model->parameter_count());
   truth << PumpParameters(options), 0.0, 0.5 * options.machine.edge_rounding;  // R_p, r_e
   const Eigen::Vector3d weights(2e3, 2e3, 2e-6);                               // Pa, Pa, m
-  const StateFit fit = FollowStates(*model, std::span(&episode, 1), truth, weights);
+  const StateFit fit = FollowStates(pump.model, pump.episodes, truth, weights);
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_LT(fit.noise[0], 200) << "Pa, outlet";
   EXPECT_LT(fit.noise[1], 350) << "Pa, control chamber";
@@ -84,21 +85,17 @@ TEST(PumpStudy, ItsRowsLeaveLittleOfAPumpWithoutNoise) {
 /// The ripple shakes the spool over its null, where sharp edges left the line volume of this pump 3.0 and the lag of its flow sensor
 /// 2.0 standard errors off.
 TEST(PumpStudy, EdgesAreRoundWhereTheRippleShakesTheSpoolOverItsNull) {
-  PumpOptions options = RandomPump(43000);
-  options.seconds = 12;
-  const Machine machine = PumpFile(true);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model) << model.error().text;
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
+  const PumpOptions options = RandomPump(43000);
+  const MeasuredPump pump(options);
   const Eigen::VectorXd truth = PumpParameters(options);
   StateStart start;
-  start.parameters.resize((*model)->parameter_count());
+  start.parameters.resize(pump.model->parameter_count());
   start.parameters << truth, 0.8, 2e-6;
-  const StateFit fit = RefitStates(*model, std::span(&episode, 1), std::span(&start, 1), {});
+  const StateFit fit = RefitStates(pump.model, pump.episodes, std::span(&start, 1), {});
   ASSERT_TRUE(fit.solved()) << fit.failed.english;
   for (Eigen::Index p = 0; p < truth.size(); ++p)
     EXPECT_LT(std::abs(fit.parameters[p] - truth[p]), kNormal95 * std::sqrt(fit.covariance(p, p)))
-        << (*model)->parameters[p].name;
+        << pump.model->parameters[p].name;
 }
 
 /// Some seconds of a random pump of which the outlet pressure alone is measured.
