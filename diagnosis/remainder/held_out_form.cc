@@ -11,59 +11,77 @@ namespace {
 
 constexpr int kGroupLanes = 8;     ///< groups left out side by side, each in a lane of its own
 constexpr int kColumnsAtOnce = 4;  ///< of the solution, for each element of the factor that is loaded
-typedef double GroupLanes __attribute__((vector_size(kGroupLanes * sizeof(double))));
-/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
-typedef GroupLanes StoredLanes __attribute__((aligned(16)));
+
+/// A number per group, in two vectors of four: vectors of eight, without AVX-512, are taken apart into words in memory by GCC 12 and
+/// put together again, at every operation. Aligned as memory without AVX is, whichever processor a function is compiled for.
+struct GroupLanes {
+  typedef double Four __attribute__((vector_size(32), aligned(16)));
+  Four half[2] = {};
+  double operator[](int lane) const { return half[lane / 4][lane % 4]; }
+  void Set(int lane, double value) { half[lane / 4][lane % 4] = value; }
+};
+[[gnu::always_inline]] inline void AddProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& sum) {
+  for (int h = 0; h < 2; ++h) sum.half[h] += a.half[h] * b.half[h];
+}
+[[gnu::always_inline]] inline void AddProduct(double a, const GroupLanes& b, GroupLanes& sum) {
+  for (int h = 0; h < 2; ++h) sum.half[h] += a * b.half[h];
+}
+[[gnu::always_inline]] inline void SubtractProduct(const GroupLanes& a, const GroupLanes& b,
+                                                   GroupLanes& left) {
+  for (int h = 0; h < 2; ++h) left.half[h] -= a.half[h] * b.half[h];
+}
+[[gnu::always_inline]] inline void PutProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& out) {
+  for (int h = 0; h < 2; ++h) out.half[h] = a.half[h] * b.half[h];
+}
 
 /// Cholesky's factor of `a` (lower, by rows) in its place, with the inverse of its diagonal on the diagonal.
-HYDROSCOPE_WIDE void FactorInPlace(int n, StoredLanes* a) {
+HYDROSCOPE_WIDE void FactorInPlace(int n, GroupLanes* a) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {
       GroupLanes left = a[i * n + j];
-      for (int k = 0; k < j; ++k) left -= a[i * n + k] * a[j * n + k];
-      if (j < i) {
-        a[i * n + j] = left * a[j * n + j];
-      } else {
-        for (int lane = 0; lane < kGroupLanes; ++lane) a[i * n + i][lane] = 1 / std::sqrt(left[lane]);
-      }
+      for (int k = 0; k < j; ++k) SubtractProduct(a[i * n + k], a[j * n + k], left);
+      if (j < i)
+        PutProduct(left, a[j * n + j], a[i * n + j]);
+      else
+        for (int lane = 0; lane < kGroupLanes; ++lane) a[i * n + i].Set(lane, 1 / std::sqrt(left[lane]));
     }
 }
 
 /// Columns `x` (by rows of kColumnsAtOnce) become the solutions of the factored equations.
-HYDROSCOPE_WIDE void SolveInPlace(int n, const StoredLanes* factor, StoredLanes* x) {
+HYDROSCOPE_WIDE void SolveInPlace(int n, const GroupLanes* factor, GroupLanes* x) {
   for (int i = 0; i < n; ++i) {
     GroupLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = 0; k < i; ++k)
-      for (int c = 0; c < kColumnsAtOnce; ++c) left[c] -= factor[i * n + k] * x[k * kColumnsAtOnce + c];
-    for (int c = 0; c < kColumnsAtOnce; ++c) x[i * kColumnsAtOnce + c] = left[c] * factor[i * n + i];
+      for (int c = 0; c < kColumnsAtOnce; ++c) SubtractProduct(factor[i * n + k], x[k * kColumnsAtOnce + c], left[c]);
+    for (int c = 0; c < kColumnsAtOnce; ++c) PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
   }
   for (int i = n - 1; i >= 0; --i) {
     GroupLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = i + 1; k < n; ++k)
-      for (int c = 0; c < kColumnsAtOnce; ++c) left[c] -= factor[k * n + i] * x[k * kColumnsAtOnce + c];
-    for (int c = 0; c < kColumnsAtOnce; ++c) x[i * kColumnsAtOnce + c] = left[c] * factor[i * n + i];
+      for (int c = 0; c < kColumnsAtOnce; ++c) SubtractProduct(factor[k * n + i], x[k * kColumnsAtOnce + c], left[c]);
+    for (int c = 0; c < kColumnsAtOnce; ++c) PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
   }
 }
 
 /// `out` = symmetric `h` (by rows) times `x` (by rows of kColumnsAtOnce).
-HYDROSCOPE_WIDE void Multiply(int n, const StoredLanes* h, const StoredLanes* x, StoredLanes* out) {
+HYDROSCOPE_WIDE void Multiply(int n, const GroupLanes* h, const GroupLanes* x, GroupLanes* out) {
   for (int i = 0; i < n; ++i) {
     GroupLanes sum[kColumnsAtOnce] = {};
     for (int k = 0; k < n; ++k)
-      for (int c = 0; c < kColumnsAtOnce; ++c) sum[c] += h[i * n + k] * x[k * kColumnsAtOnce + c];
+      for (int c = 0; c < kColumnsAtOnce; ++c) AddProduct(h[i * n + k], x[k * kColumnsAtOnce + c], sum[c]);
     for (int c = 0; c < kColumnsAtOnce; ++c) out[i * kColumnsAtOnce + c] = sum[c];
   }
 }
 
 /// x' y of each pair of columns, over all lanes.
-HYDROSCOPE_WIDE void ProductsOverLanes(int n, const StoredLanes* x, const StoredLanes* y, double* products) {
+HYDROSCOPE_WIDE void ProductsOverLanes(int n, const GroupLanes* x, const GroupLanes* y, double* products) {
   for (int a = 0; a < kColumnsAtOnce; ++a) {
     GroupLanes sum[kColumnsAtOnce] = {};
     for (int i = 0; i < n; ++i)
       for (int b = 0; b < kColumnsAtOnce; ++b)
-        sum[b] += x[i * kColumnsAtOnce + a] * y[i * kColumnsAtOnce + b];
+        AddProduct(x[i * kColumnsAtOnce + a], y[i * kColumnsAtOnce + b], sum[b]);
     for (int b = 0; b < kColumnsAtOnce; ++b) {
       double total = 0;
       for (int lane = 0; lane < kGroupLanes; ++lane) total += sum[b][lane];
@@ -85,9 +103,9 @@ class LeftOut {
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j) {
         GroupLanes& own = h_[i * n_ + j];
-        own = GroupLanes{};
-        for (int lane = 0; lane < lanes_; ++lane) own[lane] = groups.h[first + lane](i, j);
-        factor_[i * n_ + j] = total(i, j) - own;
+        for (int lane = 0; lane < lanes_; ++lane) own.Set(lane, groups.h[first + lane](i, j));
+        for (int lane = 0; lane < kGroupLanes; ++lane)
+          factor_[i * n_ + j].Set(lane, total(i, j) - own[lane]);
       }
     FactorInPlace(n_, factor_.data());
     Solve();
@@ -120,7 +138,7 @@ void LeftOut::Solve() {
       const Eigen::Index u = static_cast<Eigen::Index>(b) * kColumnsAtOnce + c;
       for (int i = 0; u < groups && i < n_; ++i)
         for (int lane = 0; lane < lanes_; ++lane)
-          x[i * kColumnsAtOnce + c][lane] = u == first_ + lane ? 0.0 : groups_.q(i, u);
+          x[i * kColumnsAtOnce + c].Set(lane, u == first_ + lane ? 0.0 : groups_.q(i, u));
     }
     SolveInPlace(n_, factor_.data(), x);
   }
