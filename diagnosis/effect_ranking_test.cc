@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/sample_grams.h"
 #include "diagnosis/simulated_log_fixture.h"
 
 namespace hydroscope {

@@ -9,9 +9,9 @@
 
 #include "core/told.h"
 #include "diagnosis/extended_fit.h"
-#include "diagnosis/refine.h"
 #include "diagnosis/remainder/predictability.h"
 #include "estimation/floor_trust.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

@@ -11,9 +11,11 @@
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/odd_strokes.h"
+#include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/remainder/tone_search.h"
 #include "diagnosis/remainder/whiteness.h"
+#include "diagnosis/sample_grams.h"
 #include "diagnosis/testability.h"
 
 namespace hydroscope {
@@ -91,11 +93,13 @@ void RefineTwins(ModelStructure& model, std::span<const StrokeStretches> strokes
   }
 }
 
-StrokesUnder StrokesOf(std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                       double noise_scale) {
-  return [strokes, window, noise_scale](std::shared_ptr<const ModelStructure> model) {
-    const auto grams = GramsOf(model, strokes, window);
-    return StrokeSet(std::move(model), grams, window, noise_scale);
+/// `first`: the model that those asked for grow from.
+StrokesUnder StrokesOf(std::shared_ptr<const ModelStructure> first, std::span<const StrokeStretches> strokes,
+                       const WindowSamples& window, double noise_scale) {
+  const auto grams = std::make_shared<GrowingGrams>(std::move(first), strokes, window);
+  return [grams, window, noise_scale](std::shared_ptr<const ModelStructure> model) {
+    const std::vector<StrokeGram> of_model = grams->Of(model);
+    return StrokeSet(std::move(model), of_model, window, noise_scale);
   };
 }
 
@@ -103,10 +107,10 @@ StrokesUnder StrokesOf(std::span<const StrokeStretches> strokes, const WindowSam
 Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
                            const ExplainOptions& options) {
-  const StrokesUnder set_of = StrokesOf(strokes, window, options.noise_scale);
   auto with_laws = std::make_shared<ModelStructure>(*model);
   AddSampleEffects(*with_laws);
   AddGenericLaws(*with_laws);
+  const StrokesUnder set_of = StrokesOf(with_laws, strokes, window, options.noise_scale);
   if (!options.start.empty()) {
     const CandidateModel start = StartModel(set_of(with_laws), options.start);
     RefineModel(*with_laws, strokes, window, start.choices);
@@ -342,7 +346,7 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
   // An effect, or a law without a name, brings it down to the noise: no other strokes or floor would settle the doubt.
   if (out.nameless || (out.small_error && out.final.effects.size() > out.base.effects.size())) return out;
-  const StrokesUnder under = StrokesOf(strokes, window, out.noise_scale);
+  const StrokesUnder under = StrokesOf(out.model, strokes, window, out.noise_scale);
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;
   scaled.evidence_scale = out.evidence_scale;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "diagnosis/sample_grams.h"
 #include "diagnosis/simulated_log_fixture.h"
 #include "estimation/gram_fit.h"
 

@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

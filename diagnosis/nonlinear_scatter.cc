@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "diagnosis/sample_grams.h"
+
 namespace hydroscope {
 namespace {
 

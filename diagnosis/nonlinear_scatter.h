@@ -4,7 +4,7 @@
 #include <span>
 
 #include "diagnosis/extended_fit.h"
-#include "diagnosis/refine.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

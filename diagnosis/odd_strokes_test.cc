@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "diagnosis/sample_grams.h"
 #include "diagnosis/simulated_log_fixture.h"
 
 namespace hydroscope {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "estimation/stroke_accumulator.h"
+#include "diagnosis/sample_grams.h"
 
 namespace hydroscope {
 namespace {
@@ -52,56 +52,12 @@ double Minimise(Errors errors, double low, double high, double start) {
   return minimum.second < best_error ? minimum.first : best;
 }
 
-}  // namespace
-
-ModelStructure BaseOnly(const ModelStructure& model) {
-  ModelStructure base = model;
-  base.columns.resize(model.output_column() + 1);
-  for (auto& shapes : base.effect_shapes) shapes.clear();
-  return base;
-}
-
-std::vector<StrokeStretches> WithDerivedChannels(const ModelStructure& model,
-                                                 std::span<const StrokeStretches> strokes) {
-  std::vector<StrokeStretches> derived(strokes.begin(), strokes.end());
-  for (StrokeStretches& stroke : derived)
-    for (Stretch& stretch : stroke) {
-      model.derive_channels(stretch);
-      stretch.derived = true;
-    }
-  return derived;
-}
-
-const Stretch& Derived(const ModelStructure& model, const Stretch& kept, Stretch& work) {
-  if (kept.derived) return kept;
-  work = kept;
-  model.derive_channels(work);
-  return work;
-}
-
-std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
-                                std::span<const StrokeStretches> strokes, const WindowSamples& window) {
-  SpanEquationBuilder builder(model, window);
-  StrokeAccumulator accumulator(model->column_count());
-  std::vector<StrokeGram> grams;
-  Stretch work;
-  for (const StrokeStretches& stroke : strokes) {
-    for (const Stretch& stretch : stroke)
-      accumulator.Add(builder.BuildDerived(Derived(*model, stretch, work), 0.0));
-    grams.push_back(accumulator.Take());
-    if (!stroke.empty()) grams.back().log = stroke.front().log;
-  }
-  return grams;
-}
-
-namespace {
-
 /// Fits the model with one effect's nonlinear parameters at any values.
 class ShapeTrial {
  public:
   ShapeTrial(const ModelStructure& model, std::span<const StrokeStretches> strokes,
              const WindowSamples& window, std::span<const EffectChoice> others, int effect)
-      : fixed_(BaseOnly(model)), strokes_(strokes), window_(window), effect_(effect) {
+      : fixed_(BaseOnly(model)), window_(window), effect_(effect) {
     std::vector<std::vector<double>> values;
     for (const EffectChoice& other : others) {
       const EffectShape& shape = model.effect_shapes[other.effect][other.shape];
@@ -111,6 +67,7 @@ class ShapeTrial {
     std::vector<EffectChoice> all = others_;
     all.push_back({effect, -1});
     on_ = CorrectionOf(fixed_, all, values, others.size());
+    grams_.emplace(std::make_shared<ModelStructure>(fixed_), strokes, window);
   }
 
   const std::optional<Correction>& on() const { return on_; }
@@ -138,7 +95,7 @@ class ShapeTrial {
     std::vector<EffectChoice> choices = others_;
     for (const std::vector<double>& point : points)
       choices.push_back({effect_, AddShape(*trial, effect_, point, on_)});
-    return {StrokeSet(trial, GramsOf(trial, strokes_, window_), window_), choices};
+    return {StrokeSet(trial, grams_->Of(trial), window_), choices};
   }
   /// Excess ratio on strokes left out with the effect at point `k` alone; what is known of its values beforehand counts as
   /// equations that are missed by as much.
@@ -157,7 +114,7 @@ class ShapeTrial {
   }
 
   ModelStructure fixed_;
-  std::span<const StrokeStretches> strokes_;
+  std::optional<GrowingGrams> grams_;  ///< from `fixed_` on
   WindowSamples window_;
   int effect_;
   std::vector<EffectChoice> others_;
@@ -258,6 +215,7 @@ std::vector<std::vector<double>> SolveImpliedTogether(const ModelStructure& mode
                                                       const WindowSamples& window,
                                                       std::span<const EffectChoice> choices) {
   const ModelStructure base = BaseOnly(model);
+  const GrowingGrams grams(std::make_shared<ModelStructure>(base), strokes, window);
   std::vector<std::vector<double>> values;
   for (const EffectChoice& c : choices) values.push_back(model.effect_shapes[c.effect][c.shape].nonlinear);
   for (int step = 0; step < kImpliedSteps; ++step) {
@@ -266,7 +224,7 @@ std::vector<std::vector<double>> SolveImpliedTogether(const ModelStructure& mode
     for (std::size_t k = 0; k < choices.size(); ++k)
       all.push_back({choices[k].effect, AddShape(*trial, choices[k].effect, values[k],
                                                  CorrectionOf(model, choices, values, k))});
-    const ExtendedFit fit = StrokeSet(trial, GramsOf(trial, strokes, window), window).Fit(all);
+    const ExtendedFit fit = StrokeSet(trial, grams.Of(trial), window).Fit(all);
     if (!fit.solved) break;
     bool settled = true;
     std::vector<std::vector<double>> next = values;

@@ -9,20 +9,6 @@
 
 namespace hydroscope {
 
-/// The model with its base and output columns alone, and no shapes of its effects.
-ModelStructure BaseOnly(const ModelStructure& model);
-
-/// The strokes with their derived channels filled (Stretch::derived), for Grams that are formed again and again.
-std::vector<StrokeStretches> WithDerivedChannels(const ModelStructure& model,
-                                                 std::span<const StrokeStretches> strokes);
-
-/// `kept` with its derived channels filled: itself if they are, else in `work`.
-const Stretch& Derived(const ModelStructure& model, const Stretch& kept, Stretch& work);
-
-/// Grams of kept samples under any model over the same channels.
-std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
-                                std::span<const StrokeStretches> strokes, const WindowSamples& window);
-
 /// Finds the nonlinear parameters (threshold, width, exponent, ...) of effect `start.effect`, in a model that
 /// also has the effects `others`, from the best shape `start`: those a law ties to its size (Effect::implied)
 /// by going back and forth between the two, free ones by the error on strokes left out, coordinate by

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/sample_grams.h"
 #include "estimation/stroke_segmenter.h"
 #include "models/machine.h"
 #include "simulator/die_cushion/press.h"

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

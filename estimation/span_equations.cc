@@ -121,12 +121,16 @@ std::vector<BlockWeights> WeightsOfValues(int block) {
   return weights;
 }
 
-SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
-    : model_(std::move(model)), window_(window), weights_(WeightsOfIncrements(window.block)) {
-  const int columns = model_->column_count();
+SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window,
+                                         int first)
+    : model_(std::move(model)),
+      columns_(std::span(model_->columns).subspan(static_cast<std::size_t>(first))),
+      window_(window),
+      weights_(WeightsOfIncrements(window.block)) {
+  const auto columns = static_cast<Eigen::Index>(columns_.size());
   increments_.resize(static_cast<std::size_t>(window_.span) * window_.block + 1);
-  column_state_.assign(columns, 0.0);
-  last_level_.assign(columns, 0.0);
+  column_state_.assign(columns_.size(), 0.0);
+  last_level_.assign(columns_.size(), 0.0);
   level_.resize(columns, window_.span + 2 * window_.half_window);
   out_.integral.resize(columns, window_.span);
   out_.noise = Eigen::MatrixXd::Zero(columns, window_.span);
@@ -162,8 +166,8 @@ void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
   const double share = std::sqrt((blocks - 1.0) / blocks);  // the intercept takes one of the blocks
   const std::span<double> increments(increments_.data(), stretch.samples - 1);
   increments_[stretch.samples - 1] = 0.0;  // whole blocks leave no increment for the last sample
-  for (int c = 0; c < model_->column_count(); ++c) {
-    model_->columns[c].fill(stretch, column_state_[c], increments);
+  for (Eigen::Index c = 0; c < level_.rows(); ++c) {
+    columns_[c].fill(stretch, column_state_[c], increments);
     const double level = stretch.continues ? last_level_[c] + increments[0] : 0.0;
     last_level_[c] = SumBlocks(increments_.data() + lead, weights_, blocks, level, share,
                                &level_(c, history_), &out_.noise(c, 0), level_.rows());
@@ -174,8 +178,8 @@ void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
   const int m = window_.block, lead = stretch.continues ? 1 : 0;
   const double contrast = ContrastScale(m);
   const std::span<double> values(increments_.data(), stretch.samples);
-  for (int c = 0; c < model_->column_count(); ++c) {
-    model_->columns[c].fill(stretch, column_state_[c], values);
+  for (Eigen::Index c = 0; c < level_.rows(); ++c) {
+    columns_[c].fill(stretch, column_state_[c], values);
     for (int b = 0; b < blocks; ++b) {
       const double* x = values.data() + lead + b * m;
       double sum = 0, signs = 0;
@@ -211,8 +215,9 @@ void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
   if (model_->disturb) {
     FillDisturbedRates(stretch, first, step, out_.walk);
   } else {
-    out_.walk.setZero(model_->column_count(), rates);
-    model_->integrated_noise(stretch, first, step, out_.walk);
+    // That of base columns and output alone, of which all are there or none.
+    out_.walk.setZero(level_.rows(), rates);
+    if (level_.rows() == model_->column_count()) model_->integrated_noise(stretch, first, step, out_.walk);
   }
   const double energy = window_.block * (blocks * blocks - 1.0) / 6.0 / weights_of_walk_.sum();
   for (Eigen::Index k = 0; k < out_.walk.cols(); ++k)
@@ -227,12 +232,12 @@ void SpanEquationBuilder::FillDisturbedRates(const Stretch& stretch, int first, 
   copies_.continues = copies_.scattered = true;
   model_->disturb(stretch, first, step, copies_);
   const int sources = copies_.samples / samples - 1;
-  rate_noise.setZero(model_->column_count(), static_cast<Eigen::Index>(sources) * rates);
+  rate_noise.setZero(level_.rows(), static_cast<Eigen::Index>(sources) * rates);
   const double* plain = increments_.data();
-  for (int c = 0; c < model_->column_count(); ++c) {
-    if (!model_->columns[c].walks) continue;
+  for (Eigen::Index c = 0; c < level_.rows(); ++c) {
+    if (!columns_[c].walks) continue;
     double state = column_state_[c];
-    model_->columns[c].fill(copies_, state, std::span(increments_.data(), copies_.samples - 1));
+    columns_[c].fill(copies_, state, std::span(increments_.data(), copies_.samples - 1));
     for (int source = 0; source < sources; ++source) {
       const double* disturbed = plain + (source + 1) * samples;
       for (int k = 0; k < rates; ++k)

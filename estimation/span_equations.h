@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -79,7 +80,8 @@ std::vector<BlockWeights> WeightsOfValues(int block);
 
 class SpanEquationBuilder {
  public:
-  SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window);
+  /// The equations have a row for each of the model's columns from `first` on: 0, or one behind the output's.
+  SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window, int first = 0);
 
   /// Equations of one span. `stretch` holds whole blocks, plus one leading sample if it continues a segment;
   /// its derived channels are filled here. `begin` is the time of its first block's first sample, s. The
@@ -99,6 +101,7 @@ class SpanEquationBuilder {
   void FillFlows(int blocks, bool continues, double begin);
 
   std::shared_ptr<const ModelStructure> model_;
+  std::span<const Column> columns_;  ///< of the model
   WindowSamples window_;
   std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<double> increments_;

@@ -1,45 +1,60 @@
 #include "estimation/stroke_accumulator.h"
 
+#include <algorithm>
+
 #include "estimation/column_products.h"
 
 namespace hydroscope {
 namespace {
 
-SymmetricMatrix Pack(const Eigen::MatrixXd& lower) {
-  SymmetricMatrix packed(static_cast<int>(lower.cols()));
-  for (int j = 0; j < lower.cols(); ++j)
-    for (int i = 0; i <= j; ++i) packed(i, j) = lower(j, i);
+/// Products of `known` columns among each other, and with those behind them.
+SymmetricMatrix Pack(const SymmetricMatrix& known, const Eigen::MatrixXd& lower) {
+  const int before = known.dimension(), own = static_cast<int>(lower.cols());
+  SymmetricMatrix packed(before + own);
+  std::copy(known.packed().begin(), known.packed().end(), packed.packed().begin());
+  for (int j = 0; j < own; ++j) {
+    for (int i = 0; i < before; ++i) packed(i, before + j) = lower(own + i, j);
+    for (int i = 0; i <= j; ++i) packed(before + i, before + j) = lower(j, i);
+  }
   return packed;
-}
-
-/// `lower` has one column per column of the model and, for whole vectors, PaddedColumns() rows; so has `packed`,
-/// whose padding stays zero.
-void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& packed, Eigen::MatrixXd& lower) {
-  if (packed.cols() < count) packed.setZero(lower.rows(), count);
-  packed.topLeftCorner(lower.cols(), count) = equations.leftCols(count);
-  AddColumnProducts(packed.data(), count, lower);
 }
 
 }  // namespace
 
-StrokeAccumulator::StrokeAccumulator(int columns)
-    : integral_(Eigen::MatrixXd::Zero(PaddedColumns(columns), columns)),
+StrokeAccumulator::StrokeAccumulator(int known, int columns)
+    : known_(known),
+      integral_(Eigen::MatrixXd::Zero(PaddedColumns(known + columns), columns)),
       noise_(integral_),
       flow_(integral_) {}
 
-void StrokeAccumulator::Add(const SpanEquations& span) {
+/// `lower` has, for whole vectors, PaddedColumns() rows; so has `packed_`, whose padding stays zero.
+void StrokeAccumulator::AddOuter(const Eigen::MatrixXd& known, const Eigen::MatrixXd& own, int count,
+                                 Eigen::MatrixXd& lower) {
+  if (packed_.cols() < count) packed_.setZero(lower.rows(), count);
+  packed_.topLeftCorner(lower.cols(), count) = own.leftCols(count);
+  if (known_ > 0) packed_.block(lower.cols(), 0, known_, count) = known.leftCols(count);
+  AddColumnProducts(packed_.data(), count, lower);
+}
+
+void StrokeAccumulator::Add(const SpanEquations& known, const SpanEquations& span) {
+  AddOuter(known.integral, span.integral, span.equations, integral_);
+  AddOuter(known.noise, span.noise, span.blocks, noise_);
+  AddOuter(known.walk, span.walk, static_cast<int>(span.walk.cols()), noise_);
   const int windows = static_cast<int>(span.flow_time.size());
-  AddOuter(span.integral, span.equations, packed_, integral_);
-  AddOuter(span.noise, span.blocks, packed_, noise_);
-  AddOuter(span.walk, static_cast<int>(span.walk.cols()), packed_, noise_);
-  AddOuter(span.flow, windows, packed_, flow_);
+  AddOuter(known.flow, span.flow, windows, flow_);
   blocks_ += span.blocks;
   spans_ += span.blocks - span.equations;
   windows_ += windows;
 }
 
-StrokeGram StrokeAccumulator::Take() {
-  StrokeGram gram{blocks_, spans_, windows_, Pack(integral_), Pack(noise_), Pack(flow_)};
+StrokeGram StrokeAccumulator::Take(const StrokeGram& known) {
+  StrokeGram gram{blocks_,
+                  spans_,
+                  windows_,
+                  Pack(known.integral, integral_),
+                  Pack(known.noise, noise_),
+                  Pack(known.flow, flow_),
+                  known.log};
   integral_.setZero();
   noise_.setZero();
   flow_.setZero();

@@ -5,9 +5,10 @@
 
 #include "core/records/stroke_record.h"
 #include "core/result.h"
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
+#include "models/stretch.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/log_faults/reading_faults.h"
 #include "pipeline/pipeline.h"

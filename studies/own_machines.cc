@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/contains.h"
+#include "diagnosis/sample_grams.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/explain_log.h"
 

@@ -11,6 +11,7 @@
 #include "core/short_number.h"
 #include "core/told_error.h"
 #include "diagnosis/remainder/residuals.h"
+#include "diagnosis/sample_grams.h"
 
 namespace hydroscope {
 

@@ -10,7 +10,7 @@
 
 #include "core/contains.h"
 #include "diagnosis/experiment/rival_separation.h"
-#include "diagnosis/refine.h"
+#include "diagnosis/sample_grams.h"
 
 namespace hydroscope {
 namespace {
@@ -20,11 +20,12 @@ class StrokeEvidences {
  public:
   StrokeEvidences(const RivalModel& model, const Eigen::VectorXd& theta, const Experimenter& experimenter,
                   const WindowSamples& window)
-      : model_(model), theta_(theta), experimenter_(experimenter), window_(window) {}
+      : model_(model),
+        base_(std::make_shared<ModelStructure>(BaseOnly(*model.structure))),
+        theta_(theta),
+        experimenter_(experimenter),
+        window_(window) {}
 
-  RivalEvidence Of(std::span<const StrokeStretches> strokes) const {
-    return EvidenceOf(model_, theta_, strokes, window_);
-  }
   /// Mean stroke of a series that begins at `begin`, s.
   RivalEvidence MeanOf(const StrokeSeries& series, double begin) {
     const std::vector<UnrecordedStroke> strokes =
@@ -40,8 +41,9 @@ class StrokeEvidences {
   const RivalEvidence& OfUnrecorded(const UnrecordedStroke& stroke) {
     const auto [at, fresh] = played_.try_emplace(stroke);
     if (fresh) {
-      at->second = Of({{Play(stroke, PlayedNoise::kNone)}});
-      at->second.noise = Of({{Play(stroke, PlayedNoise::kAsRecorded)}}).noise;
+      at->second = EvidenceOf(model_, theta_, {{Play(stroke, PlayedNoise::kNone)}}, window_);
+      at->second.noise =
+          NoiseEnergy(theta_, GramsOf(base_, {{Play(stroke, PlayedNoise::kAsRecorded)}}, window_));
     }
     return at->second;
   }
@@ -51,6 +53,7 @@ class StrokeEvidences {
   }
 
   const RivalModel& model_;
+  std::shared_ptr<const ModelStructure> base_;
   const Eigen::VectorXd& theta_;
   const Experimenter& experimenter_;
   const WindowSamples& window_;
@@ -66,8 +69,9 @@ class OpenQuestion {
         theta_(explanation.final.theta.head(model_.structure->base_count)),
         max_strokes_(max_strokes),
         strokes_(model_, theta_, experimenter, window),
-        known_(strokes_.Of(recorded)),
-        rivals_(model_, StrokeSet(model_.structure, GramsOf(model_.structure, recorded, window), window)) {
+        recorded_(GramsOf(model_.structure, recorded, window)),
+        known_(EvidenceOf(model_, theta_, recorded_, window)),
+        rivals_(model_, StrokeSet(model_.structure, recorded_, window)) {
     for (const StrokeStretches& stroke : recorded)
       for (const Stretch& s : stroke) begin_ = std::max(begin_, s.begin + s.samples * s.period);
   }
@@ -116,6 +120,7 @@ class OpenQuestion {
   Eigen::VectorXd theta_;
   int max_strokes_;
   StrokeEvidences strokes_;
+  std::vector<StrokeGram> recorded_;
   RivalEvidence known_;
   Rivals rivals_;
   std::vector<RivalEvidence> means_;     ///< of a mean stroke of each candidate

@@ -2,7 +2,8 @@
 
 #include <map>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

@@ -1,10 +1,11 @@
 #include "diagnosis/experiment/rival_separation.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
-#include "diagnosis/refine.h"
+#include "diagnosis/sample_grams.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -31,17 +32,16 @@ std::vector<int> WatchedOf(const Explanation& explanation) {
   return watched;
 }
 
-/// Energy of `a` in `total` that `known`, one column each, and `b`, at whatever sizes, cannot take over.
-double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const Eigen::MatrixXd& known,
-                  const Eigen::VectorXd& b) {
-  Eigen::MatrixXd regressors(known.rows(), known.cols() + 1);
-  regressors << known, b;
-  const Eigen::MatrixXd weighed = total * regressors;
-  const Eigen::MatrixXd h = regressors.transpose() * weighed;
+/// Energy of column `own` that neither the first `known` columns nor column `other`, at whatever sizes, can take over, from
+/// the products of all columns.
+double Separation(const Eigen::MatrixXd& products, Eigen::Index known, Eigen::Index own, Eigen::Index other) {
+  std::vector<Eigen::Index> regressors(static_cast<std::size_t>(known) + 1, other);
+  std::iota(regressors.begin(), regressors.end() - 1, Eigen::Index{0});
+  const Eigen::MatrixXd h = products(regressors, regressors);
   const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse = PseudoInverse(scale.asDiagonal() * h * scale.asDiagonal());
-  const Eigen::VectorXd cross = scale.asDiagonal() * (weighed.transpose() * a);
-  return std::max(0.0, a.dot(total * a) - cross.dot(inverse * cross));
+  const Eigen::VectorXd cross = scale.asDiagonal() * products(regressors, own);
+  return std::max(0.0, products(own, own) - cross.dot(inverse * cross));
 }
 
 }  // namespace
@@ -90,17 +90,26 @@ RivalEvidence& RivalEvidence::Add(const RivalEvidence& other, double times) {
 }
 
 RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
+                         std::span<const StrokeGram> grams, const WindowSamples& window) {
+  RivalEvidence out{StrokeSet(model.structure, grams, window).Total(), NoiseEnergy(theta, grams), 0};
+  for (const StrokeGram& gram : grams) out.equations += static_cast<double>(gram.blocks - gram.spans);
+  return out;
+}
+
+RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
                          std::span<const StrokeStretches> strokes, const WindowSamples& window) {
-  const std::vector<StrokeGram> grams = GramsOf(model.structure, strokes, window);
-  RivalEvidence out{StrokeSet(model.structure, grams, window).Total(), 0, 0};
+  return EvidenceOf(model, theta, GramsOf(model.structure, strokes, window), window);
+}
+
+double NoiseEnergy(const Eigen::VectorXd& theta, std::span<const StrokeGram> grams) {
   Eigen::VectorXd balance(theta.size() + 1);
   balance << -theta, 1;
+  double energy = 0;
   for (const StrokeGram& gram : grams) {
     const Eigen::MatrixXd noise = Unpacked(gram.noise).topLeftCorner(balance.size(), balance.size());
-    out.noise += balance.dot(noise * balance);
-    out.equations += static_cast<double>(gram.blocks - gram.spans);
+    energy += balance.dot(noise * balance);
   }
-  return out;
+  return energy;
 }
 
 Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
@@ -137,9 +146,19 @@ Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
 }
 
 std::vector<double> Rivals::Separations(const RivalEvidence& evidence) const {
+  // Columns: what is known, rivals at their sizes, rivals and watched effects at size one.
+  const Eigen::Index known = known_.cols(), fitted = known + static_cast<Eigen::Index>(fitted_.size());
+  Eigen::MatrixXd columns(known_.rows(), fitted + static_cast<Eigen::Index>(unit_.size()));
+  columns.leftCols(known) = known_;
+  for (std::size_t k = 0; k < fitted_.size(); ++k)
+    columns.col(known + static_cast<Eigen::Index>(k)) = fitted_[k];
+  for (std::size_t k = 0; k < unit_.size(); ++k)
+    columns.col(fitted + static_cast<Eigen::Index>(k)) = unit_[k];
+  const Eigen::MatrixXd products = columns.transpose() * (evidence.total * columns);
   std::vector<double> out;
   for (const Pair& pair : pairs_) {
-    const double energy = Separation(evidence.total, fitted_[pair.a], known_, unit_[pair.b]) *
+    const double energy = Separation(products, known, known + static_cast<Eigen::Index>(pair.a),
+                                     fitted + static_cast<Eigen::Index>(pair.b)) *
                           evidence.equations / evidence.noise;
     const double apart = pair.apart * evidence.equations;
     const double weight = pair.apart > 0 ? kExperiment.settled / std::max(apart, kExperiment.settled)

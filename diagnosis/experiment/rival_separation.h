@@ -50,7 +50,11 @@ struct RivalEvidence {
 };
 /// `theta`: base parameters, by which sensor noise counts.
 RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
+                         std::span<const StrokeGram> grams, const WindowSamples& window);
+RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
                          std::span<const StrokeStretches> strokes, const WindowSamples& window);
+/// Energy of the sensor noise in the equations of strokes, under a model of which at least base columns and output are there.
+double NoiseEnergy(const Eigen::VectorXd& theta, std::span<const StrokeGram> grams);
 
 /// The rivals as directions in the columns of their model, beside what is known to be there.
 class Rivals {

@@ -12,6 +12,7 @@
 #include "core/short_number.h"
 #include "diagnosis/experiment/moved_stroke.h"
 #include "diagnosis/experiment/rival_separation.h"
+#include "diagnosis/sample_grams.h"
 #include "models/expressions/check.h"
 #include "models/machine_file/table.h"
 #include "models/machine_kind.h"
@@ -87,8 +88,9 @@ class SignalSearch {
         window_(window),
         model_(RivalModelOf(explanation)),
         theta_(explanation.final.theta.head(model_.structure->base_count)),
-        known_(EvidenceOf(model_, theta_, recorded, window)),
-        rivals_(model_, StrokeSet(model_.structure, GramsOf(model_.structure, recorded, window), window)) {
+        grams_(GramsOf(model_.structure, recorded, window)),
+        known_(EvidenceOf(model_, theta_, grams_, window)),
+        rivals_(model_, StrokeSet(model_.structure, grams_, window)) {
     // A model error that the explanation leaves speaks against the right rival as loudly as sensor noise.
     known_.noise *= 1 + std::max(0.0, explanation.final.excess_ratio);
     noise_ = known_.noise / known_.equations;
@@ -310,6 +312,7 @@ class SignalSearch {
   const WindowSamples& window_;
   RivalModel model_;
   Eigen::VectorXd theta_;
+  std::vector<StrokeGram> grams_;  ///< of what is recorded
   RivalEvidence known_;
   Rivals rivals_;
   double noise_ = 0;  ///< of an equation

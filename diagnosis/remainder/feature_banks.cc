@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/quantile.h"
+#include "diagnosis/sample_grams.h"
 
 namespace hydroscope {
 namespace {

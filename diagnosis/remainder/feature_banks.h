@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
 #include "models/model_structure.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

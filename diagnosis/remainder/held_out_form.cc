@@ -53,15 +53,19 @@ HYDROSCOPE_WIDE void SolveInPlace(int n, const GroupLanes* factor, GroupLanes* x
     GroupLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = 0; k < i; ++k)
-      for (int c = 0; c < kColumnsAtOnce; ++c) SubtractProduct(factor[i * n + k], x[k * kColumnsAtOnce + c], left[c]);
-    for (int c = 0; c < kColumnsAtOnce; ++c) PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
+      for (int c = 0; c < kColumnsAtOnce; ++c)
+        SubtractProduct(factor[i * n + k], x[k * kColumnsAtOnce + c], left[c]);
+    for (int c = 0; c < kColumnsAtOnce; ++c)
+      PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
   }
   for (int i = n - 1; i >= 0; --i) {
     GroupLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = i + 1; k < n; ++k)
-      for (int c = 0; c < kColumnsAtOnce; ++c) SubtractProduct(factor[k * n + i], x[k * kColumnsAtOnce + c], left[c]);
-    for (int c = 0; c < kColumnsAtOnce; ++c) PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
+      for (int c = 0; c < kColumnsAtOnce; ++c)
+        SubtractProduct(factor[k * n + i], x[k * kColumnsAtOnce + c], left[c]);
+    for (int c = 0; c < kColumnsAtOnce; ++c)
+      PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
   }
 }
 
@@ -104,8 +108,7 @@ class LeftOut {
       for (int j = 0; j < n_; ++j) {
         GroupLanes& own = h_[i * n_ + j];
         for (int lane = 0; lane < lanes_; ++lane) own.Set(lane, groups.h[first + lane](i, j));
-        for (int lane = 0; lane < kGroupLanes; ++lane)
-          factor_[i * n_ + j].Set(lane, total(i, j) - own[lane]);
+        for (int lane = 0; lane < kGroupLanes; ++lane) factor_[i * n_ + j].Set(lane, total(i, j) - own[lane]);
       }
     FactorInPlace(n_, factor_.data());
     Solve();

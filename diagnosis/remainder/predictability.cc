@@ -8,6 +8,7 @@
 #include "core/quantile.h"
 #include "diagnosis/remainder/feature_banks.h"
 #include "diagnosis/remainder/held_out_form.h"
+#include "diagnosis/sample_grams.h"
 #include "estimation/column_products.h"
 
 namespace hydroscope {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "diagnosis/sample_grams.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
-#include "diagnosis/refine.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

@@ -4,7 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "diagnosis/refine.h"
+#include "diagnosis/extended_fit.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 

@@ -5,8 +5,10 @@
 #include "core/non_negative.h"
 #include "core/told_error.h"
 #include "diagnosis/nonlinear_scatter.h"
+#include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/remainder/tone_search.h"
+#include "diagnosis/sample_grams.h"
 #include "models/effect.h"
 #include "models/find_effect.h"
 
