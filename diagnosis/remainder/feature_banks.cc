@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/quantile.h"
+#include "core/wide.h"
 #include "diagnosis/sample_grams.h"
 
 namespace hydroscope {
@@ -73,11 +74,10 @@ std::vector<double> SamplesOf(std::span<const StrokeStretches> strokes, int chan
 
 FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window)
-    : model_(model),
-      strokes_(strokes),
-      window_(window),
-      weights_(model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block)),
-      column_state_(model.columns.size(), 0.0) {
+    : model_(model), strokes_(strokes), window_(window), column_state_(model.columns.size(), 0.0) {
+  for (const BlockWeights& weights :
+       model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block))
+    weights_.push_back({weights});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const int channel : AxisChannels()) {
     const std::vector<double> values = SamplesOf(strokes, channel);
@@ -161,18 +161,19 @@ template <typename Visit>
 void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const {
   rows.means.resize(blocks, features);
   rows.noise.resize(blocks, features);
-  std::vector<BlockWeights> sums(features, BlockWeights{});
-  const auto add_as = [&](const BlockWeights& weights) {
-    return [&sums, weights](int f, double x) { sums[f] += x * weights; };
+  std::vector<StoredWeights> sums(features);
+  const auto add_as = [&sums](const StoredWeights& weights) {
+    return [&sums, &weights](int f, double x) { sums[f].stored += x * weights.stored; };
   };
-  for (int k = 0; !model_.level_form && k < lead_; ++k) visit(k, add_as(BlockWeights{0, 0, 1, 0}));
+  const StoredWeights lead{{0, 0, 1, 0}};
+  for (int k = 0; !model_.level_form && k < lead_; ++k) visit(k, add_as(lead));
   for (int b = 0; b < blocks; ++b) {
-    for (BlockWeights& sum : sums) sum = BlockWeights{sum[2], 0, sum[2], 0};
+    for (auto& [sum] : sums) sum = BlockWeights{sum[2], 0, sum[2], 0};
     for (int row = 0; row < window_.block; ++row)
       visit(lead_ + b * window_.block + row, add_as(weights_[row]));
     for (int f = 0; f < features; ++f) {
-      rows.means(b, f) = sums[f][0];
-      rows.noise(b, f) = sums[f][1];
+      rows.means(b, f) = sums[f].stored[0];
+      rows.noise(b, f) = sums[f].stored[1];
     }
   }
   if (model_.level_form) return;
@@ -180,14 +181,15 @@ void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit
   rows.noise *= std::sqrt(std::max(0.0, blocks - 1.0) / std::max(1, blocks));
 }
 
-void FeatureBanks::FillModel(int blocks) {
+HYDROSCOPE_WIDE void FeatureBanks::FillModel(int blocks) {
   const int columns = model_.column_count();
   SumBlocks(columns, blocks, out_.model, [&](int k, const auto& add) {
     for (int c = 0; c < columns; ++c) add(c, increments_[c][k]);
   });
 }
 
-void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
+HYDROSCOPE_WIDE void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks,
+                                                 BlockColumns& rows) const {
   const int knots = bank.count / static_cast<int>(bank.columns.size());
   const std::vector<double>& place = place_[bank.axes[0]];
   SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
@@ -217,7 +219,7 @@ void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns&
   }
 }
 
-void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
+HYDROSCOPE_WIDE void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
   const bool pair = bank.axes.size() == 2;
   const double period = model_.level_form ? 1.0 : window_.period;
   const std::vector<double>& first = place_[bank.axes[0]];

@@ -28,6 +28,12 @@ struct BlockColumns {
   Eigen::MatrixXd noise;
 };
 
+/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
+struct StoredWeights {
+  typedef BlockWeights Stored __attribute__((aligned(16)));
+  Stored stored{};
+};
+
 struct FeatureRows {
   BlockColumns model;               ///< all columns of the model
   std::vector<BlockColumns> banks;  ///< features, per bank
@@ -70,7 +76,7 @@ class FeatureBanks {
   const ModelStructure& model_;
   std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
-  std::vector<BlockWeights> weights_;  ///< one per sample of a block
+  std::vector<StoredWeights> weights_;  ///< one per sample of a block
   std::vector<Axis> axes_;
   int paired_ = 0;  ///< the first so many axes are taken two at a time too
   std::vector<FeatureBank> banks_;

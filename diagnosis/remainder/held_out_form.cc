@@ -97,30 +97,25 @@ HYDROSCOPE_WIDE void ProductsOverLanes(int n, const GroupLanes* x, const GroupLa
 /// The groups from `first` on, one a lane, each left out in turn.
 class LeftOut {
  public:
-  LeftOut(const GroupEquations& groups, const Eigen::MatrixXd& total, Eigen::Index first)
+  LeftOut(const GroupEquations& groups, Eigen::Index first)
       : groups_(groups),
-        n_(static_cast<int>(total.rows())),
+        n_(static_cast<int>(groups.q.rows())),
         first_(first),
         lanes_(static_cast<int>(std::min<Eigen::Index>(kGroupLanes, groups.q.cols() - first))),
         h_(static_cast<std::size_t>(n_) * n_),
         factor_(h_.size()) {
     for (int i = 0; i < n_; ++i)
-      for (int j = 0; j < n_; ++j) {
-        GroupLanes& own = h_[i * n_ + j];
-        for (int lane = 0; lane < lanes_; ++lane) own.Set(lane, groups.h[first + lane](i, j));
-        for (int lane = 0; lane < kGroupLanes; ++lane) factor_[i * n_ + j].Set(lane, total(i, j) - own[lane]);
-      }
-    FactorInPlace(n_, factor_.data());
-    Solve();
+      for (int j = 0; j < n_; ++j)
+        for (int lane = 0; lane < lanes_; ++lane) h_[i * n_ + j].Set(lane, groups.h[first + lane](i, j));
   }
 
-  /// To the lower half of `form`.
-  void AddTo(Eigen::MatrixXd& form) const;
+  /// To the lower half of `form`. `total`: equations of all groups, with the ridge.
+  void AddTo(const Eigen::MatrixXd& total, Eigen::MatrixXd& form);
 
  private:
   std::size_t block_size() const { return static_cast<std::size_t>(n_) * kColumnsAtOnce; }
   std::size_t blocks() const { return solutions_.size() / block_size(); }
-  void Solve();
+  void Solve(const Eigen::MatrixXd& total);
 
   const GroupEquations& groups_;
   int n_;
@@ -131,7 +126,12 @@ class LeftOut {
       solutions_;  ///< c_u without each group, kColumnsAtOnce by kColumnsAtOnce; c_s without s is 0
 };
 
-void LeftOut::Solve() {
+void LeftOut::Solve(const Eigen::MatrixXd& total) {
+  for (int i = 0; i < n_; ++i)
+    for (int j = 0; j < n_; ++j)
+      for (int lane = 0; lane < kGroupLanes; ++lane)
+        factor_[i * n_ + j].Set(lane, total(i, j) - h_[i * n_ + j][lane]);
+  FactorInPlace(n_, factor_.data());
   const Eigen::Index groups = groups_.q.cols();
   const auto blocks = static_cast<std::size_t>((groups + kColumnsAtOnce - 1) / kColumnsAtOnce);
   solutions_.assign(blocks * block_size(), GroupLanes{});
@@ -147,7 +147,8 @@ void LeftOut::Solve() {
   }
 }
 
-void LeftOut::AddTo(Eigen::MatrixXd& form) const {
+void LeftOut::AddTo(const Eigen::MatrixXd& total, Eigen::MatrixXd& form) {
+  Solve(total);
   std::vector<GroupLanes> h_times(block_size());
   std::array<double, kColumnsAtOnce * kColumnsAtOnce> products;
   for (std::size_t second = 0; second < blocks(); ++second) {
@@ -177,14 +178,23 @@ void LeftOut::AddTo(Eigen::MatrixXd& form) const {
 
 }  // namespace
 
-Eigen::MatrixXd HeldOutForm(const GroupEquations& groups, const Eigen::VectorXd& ridge) {
+std::vector<Eigen::MatrixXd> HeldOutForms(const GroupEquations& groups, const Eigen::MatrixXd& ridges) {
   const Eigen::Index n = groups.q.rows(), count = groups.q.cols();
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(n, n);
   for (const Eigen::MatrixXd& h : groups.h) total += h;
-  total.diagonal() += ridge;
-  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(count, count);
-  for (Eigen::Index first = 0; first < count; first += kGroupLanes) LeftOut(groups, total, first).AddTo(form);
-  return form.selfadjointView<Eigen::Lower>();
+  std::vector<Eigen::MatrixXd> forms(static_cast<std::size_t>(ridges.cols()),
+                                     Eigen::MatrixXd::Zero(count, count));
+  for (Eigen::Index first = 0; first < count; first += kGroupLanes) {
+    LeftOut left_out(groups, first);
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+      Eigen::MatrixXd held = total;
+      held.diagonal() += ridges.col(static_cast<Eigen::Index>(k));
+      left_out.AddTo(held, forms[k]);
+    }
+  }
+  for (Eigen::MatrixXd& form : forms)
+    form.triangularView<Eigen::StrictlyUpper>() = form.transpose().triangularView<Eigen::StrictlyUpper>();
+  return forms;
 }
 
 }  // namespace hydroscope

@@ -12,8 +12,9 @@ struct GroupEquations {
   Eigen::VectorXd energy;          ///< of the right-hand side, per group
 };
 
-/// Error energy on groups left out in turn, with the right-hand side of group u times the sign e_u: e' form e. `ridge` is added
-/// to the diagonal of the sum of all groups and makes what is left without any one group positive definite. The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
-Eigen::MatrixXd HeldOutForm(const GroupEquations& groups, const Eigen::VectorXd& ridge);
+/// Error energy on groups left out in turn, with the right-hand side of group u times the sign e_u: e' form e, a form for each column
+/// of `ridges`. That is added to the diagonal of the sum of all groups and makes what is left without any one group positive definite.
+/// The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
+std::vector<Eigen::MatrixXd> HeldOutForms(const GroupEquations& groups, const Eigen::MatrixXd& ridges);
 
 }  // namespace hydroscope

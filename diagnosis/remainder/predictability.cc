@@ -111,7 +111,8 @@ struct BankProblem {
   int features = 0;
 
   BankProblem(const BankGrams& groups, bool with_features);
-  Eigen::MatrixXd HeldOut(double penalty) const;
+  /// HeldOutForms with each of `penalties` on the features.
+  std::vector<Eigen::MatrixXd> HeldOut(std::span<const double> penalties) const;
 };
 
 BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
@@ -149,11 +150,13 @@ BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
   }
 }
 
-Eigen::MatrixXd BankProblem::HeldOut(double penalty) const {
+std::vector<Eigen::MatrixXd> BankProblem::HeldOut(std::span<const double> penalties) const {
   constexpr double kRidge = 1e-10;  // holds regressors that the other groups do not move
-  Eigen::VectorXd ridge = Eigen::VectorXd::Constant(equations.q.rows(), kRidge);
-  ridge.head(features).array() += penalty;
-  return HeldOutForm(equations, ridge);
+  Eigen::MatrixXd ridges =
+      Eigen::MatrixXd::Constant(equations.q.rows(), static_cast<Eigen::Index>(penalties.size()), kRidge);
+  for (std::size_t k = 0; k < penalties.size(); ++k)
+    ridges.col(static_cast<Eigen::Index>(k)).head(features).array() += penalties[k];
+  return HeldOutForms(equations, ridges);
 }
 
 /// Scores of the features, of the residual as it is, scatter between groups like those of white noise times
@@ -197,13 +200,14 @@ Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<Feat
   Predictability out;
   const std::size_t groups = banks.front().size();
   const Eigen::MatrixXd signs = SignFlips(options.flips, groups);
-  const Eigen::VectorXd plain = Energies(BankProblem(banks.front(), false).HeldOut(0.0), signs);
+  const Eigen::VectorXd plain =
+      Energies(BankProblem(banks.front(), false).HeldOut(std::array{0.0}).front(), signs);
   Eigen::VectorXd best = Eigen::VectorXd::Zero(plain.size());
   for (std::size_t b = 0; b < banks.size(); ++b) {
     const BankProblem problem(banks[b], true);
     if (problem.features == 0) continue;
-    for (const double penalty : kPenalties) {
-      const Eigen::VectorXd share = 1.0 - Energies(problem.HeldOut(penalty), signs).array() / plain.array();
+    for (const Eigen::MatrixXd& form : problem.HeldOut(kPenalties)) {
+      const Eigen::VectorXd share = 1.0 - Energies(form, signs).array() / plain.array();
       if (share[0] > best[0]) out.about = named[b].about;
       best = best.cwiseMax(share);
     }
