@@ -98,8 +98,8 @@ StrokesUnder StrokesOf(std::shared_ptr<const ModelStructure> first, std::span<co
                        const WindowSamples& window, double noise_scale) {
   const auto grams = std::make_shared<GrowingGrams>(std::move(first), strokes, window);
   return [grams, window, noise_scale](std::shared_ptr<const ModelStructure> model) {
-    const std::vector<StrokeGram> of_model = grams->Of(model);
-    return StrokeSet(std::move(model), of_model, window, noise_scale);
+    std::vector<StrokeGram> of_model = grams->Of(model);
+    return StrokeSet(std::move(model), std::move(of_model), window, noise_scale);
   };
 }
 

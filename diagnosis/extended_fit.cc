@@ -146,14 +146,14 @@ void StrokeSet::Stroke::TakeOut(int column) {
     for (int other = 0; other < matrix->dimension(); ++other) (*matrix)(column, other) = 0;
 }
 
-StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
+StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::vector<StrokeGram> strokes,
                      const WindowSamples& window, double noise_scale)
     : model_(std::move(model)), window_(window), noise_scale_(noise_scale) {
   const int columns = model_->column_count();
-  for (const StrokeGram& gram : strokes) {
-    Stroke stroke{gram.integral,
-                  gram.noise,
-                  gram.flow,
+  for (StrokeGram& gram : strokes) {
+    Stroke stroke{std::move(gram.integral),
+                  std::move(gram.noise),
+                  std::move(gram.flow),
                   gram.blocks,
                   gram.spans,
                   gram.log,

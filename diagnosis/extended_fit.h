@@ -80,7 +80,7 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed);
 class StrokeSet {
  public:
   /// `noise_scale`: noise energy over what the noise shares say, where these are not believable.
-  StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
+  StrokeSet(std::shared_ptr<const ModelStructure> model, std::vector<StrokeGram> strokes,
             const WindowSamples& window, double noise_scale = 1.0);
 
   /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.

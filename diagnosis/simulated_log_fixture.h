@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "diagnosis/extended_fit.h"
 #include "diagnosis/sample_grams.h"
 #include "estimation/stroke_segmenter.h"
 #include "models/machine.h"

@@ -128,6 +128,7 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
       window_(window),
       weights_(WeightsOfIncrements(window.block)) {
   const auto columns = static_cast<Eigen::Index>(columns_.size());
+  walks_ = std::any_of(columns_.begin(), columns_.end(), [](const Column& c) { return c.walks; });
   increments_.resize(static_cast<std::size_t>(window_.span) * window_.block + 1);
   column_state_.assign(columns_.size(), 0.0);
   last_level_.assign(columns_.size(), 0.0);
@@ -202,6 +203,10 @@ void SpanEquationBuilder::FillContrasts(int blocks) {
 }
 
 void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
+  if (model_->disturb && !walks_) {
+    out_.walk.resize(level_.rows(), 0);
+    return;
+  }
   const int between = model_->disturb ? kWalkStep : 1;
   const int first = (stretch.continues ? 1 : 0) + window_.block / 2, step = between * window_.block;
   const int rates = (blocks + between - 1) / between;

@@ -102,6 +102,7 @@ class SpanEquationBuilder {
 
   std::shared_ptr<const ModelStructure> model_;
   std::span<const Column> columns_;  ///< of the model
+  bool walks_ = false;               ///< one of them does
   WindowSamples window_;
   std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<double> increments_;

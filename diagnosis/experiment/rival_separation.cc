@@ -89,10 +89,12 @@ RivalEvidence& RivalEvidence::Add(const RivalEvidence& other, double times) {
   return *this;
 }
 
-RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
-                         std::span<const StrokeGram> grams, const WindowSamples& window) {
-  RivalEvidence out{StrokeSet(model.structure, grams, window).Total(), NoiseEnergy(theta, grams), 0};
+RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta, std::vector<StrokeGram> grams,
+                         const WindowSamples& window) {
+  RivalEvidence out;
+  out.noise = NoiseEnergy(theta, grams);
   for (const StrokeGram& gram : grams) out.equations += static_cast<double>(gram.blocks - gram.spans);
+  out.total = StrokeSet(model.structure, std::move(grams), window).Total();
   return out;
 }
 

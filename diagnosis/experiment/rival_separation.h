@@ -49,8 +49,8 @@ struct RivalEvidence {
   RivalEvidence& Add(const RivalEvidence& other, double times);
 };
 /// `theta`: base parameters, by which sensor noise counts.
-RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
-                         std::span<const StrokeGram> grams, const WindowSamples& window);
+RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta, std::vector<StrokeGram> grams,
+                         const WindowSamples& window);
 RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
                          std::span<const StrokeStretches> strokes, const WindowSamples& window);
 /// Energy of the sensor noise in the equations of strokes, under a model of which at least base columns and output are there.

@@ -100,7 +100,8 @@ Result<std::vector<BlockEstimates>> EstimateBlocks(const Database& database, std
   const auto shapes = TRY(ChooseShapes(machine, history));
   for (const UnitRange& range : Cut(history)) {
     const std::span<const StrokeGram> units(&history.units[range.begin], range.end - range.begin);
-    const ExtendedFit fit = StrokeSet(shapes.structure, units, history.window).Fit(shapes.choices);
+    const ExtendedFit fit =
+        StrokeSet(shapes.structure, {units.begin(), units.end()}, history.window).Fit(shapes.choices);
     if (!fit.solved) continue;
     BlockEstimates block;
     block.first = history.unit_parts[range.begin].first;
