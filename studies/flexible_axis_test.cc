@@ -10,10 +10,12 @@
 namespace hydroscope {
 namespace {
 
-StateFit FitOf(AxisManoeuvre manoeuvre, const FlexibleAxisMachine& machine, std::uint64_t start, int starts) {
+StateFit FitOf(AxisManoeuvre manoeuvre, const FlexibleAxisMachine& machine, std::uint64_t start, int starts,
+               std::uint64_t noise = 1) {
   FlexibleAxisOptions o;
   o.machine = machine;
   o.manoeuvre = manoeuvre;
+  o.seed = noise;
   const Episode episode = FlexibleAxisEpisode(SimulateFlexibleAxis(o));
   const auto model = BuildStateModel(FlexibleAxisFile(), {});
   StateFit none;
@@ -37,6 +39,15 @@ TEST(FlexibleAxisStudy, TheStaircaseTellsAllFifteenParameters) {
         << fit.model->parameters[static_cast<std::size_t>(p)].name;
   }
   EXPECT_TRUE(fit.unseen.empty());
+}
+
+TEST(FlexibleAxisStudy, OneStartFindsAxesWithStiffBristles) {
+  for (const std::uint64_t seed : {5, 15, 5513}) {
+    const StateFit fit = FitOf(AxisManoeuvre::kStaircase, RandomFlexibleAxis(seed), seed, 0, seed);
+    ASSERT_TRUE(fit.solved()) << fit.failed.english;
+    const auto readings = static_cast<double>(5 * fit.residuals.front().rows());
+    EXPECT_LT(ChiSquare(fit, {}), 1.03 * readings) << "axis " << seed;
+  }
 }
 
 TEST(FlexibleAxisStudy, AStepLeavesParametersUnseenAndSaysWhich) {

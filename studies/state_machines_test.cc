@@ -171,6 +171,19 @@ TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) {
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
 }
 
+/// The tanks without their spill stood in a minimum about which no effect helped.
+TEST(StateMachines, WhereNoEffectHelpsAllAreFittedFromAfar) {
+  const StateMachineOutcome outcome = OutcomeOf(340127, 112);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+}
+
+/// Without the one group of pieces in which it spills the parameters run away, which functions undo; what the law leaves is next to
+/// nothing of what it explains.
+TEST(StateMachines, WhatIsLeftOfNextToNothingIsNoDoubt) {
+  const StateMachineOutcome outcome = OutcomeOf(90210, 16);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+}
+
 /// The next log begins with a tank beyond its brim, from where nothing leads back.
 TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy) {
   const StateMachineOutcome outcome = OutcomeOf(5101, 25);

@@ -125,6 +125,7 @@ class EffectSearch {
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
     }
+    if (single && out_.final_left.structured && !Better(sets) && TakeAllFromAfar(sets)) left = LeftBy(sets);
     if (Better(sets) && (left.structured || compare_.Coloured(sets.front())) && LookAfar(sets))
       left = LeftBy(sets);
     if (Better(sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
@@ -178,6 +179,15 @@ class EffectSearch {
       return false;
     sets.front() = std::move(afar);
     return true;
+  }
+
+  /// Where no effect helps, the model as it is may stand in a minimum from whose neighbourhood no law is found: all that were tried
+  /// are fitted from starts all over the ranges. Whether one does better then.
+  bool TakeAllFromAfar(std::vector<StateCandidate>& sets) {
+    for (const StateCandidate& set : std::vector<StateCandidate>(sets))
+      Take(sets, fits_->FittedFromAfar(set));
+    Sort(sets);
+    return Better(sets);
   }
 
   /// Other sets that may be the law of the best one, or imitate it, are fitted from where they come nearest to it: not to be

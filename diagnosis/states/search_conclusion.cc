@@ -214,8 +214,11 @@ class SearchConclusion {
     return law;
   }
 
-  /// A law that the log shows too seldom may be in what the final set leaves.
-  bool MayLackLaw() const { return out_.final_left.doubtful && compare_.Coloured(out_.final); }
+  /// A law that the log shows too seldom may be in what the final set leaves, if that is more than a complete set may leave.
+  bool MayLackLaw() const {
+    const bool little = !out_.final.added.empty() && out_.OfExplained(1) <= compare_.LeftShare(out_.final);
+    return out_.final_left.doubtful && compare_.Coloured(out_.final) && !little;
+  }
 
   void TellDrift() {
     out_.drift = FindParameterDrift(out_.final.fit, out_.final_left);

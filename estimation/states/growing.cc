@@ -51,8 +51,9 @@ class GrowingFit {
 
   /// Over the first `rows` rows, then more and more of them. Not valid where the model diverges.
   shooting::Point Run(int rows) {
-    constexpr double kAstray = 3;   // the cost of a reading grew by so much: the longer run lost its way
-    constexpr double kLeast = 1.1;  // growth from which on that is the model's fault
+    constexpr double kAstray = 3;     // the cost of a reading grew by so much: the longer run lost its way
+    constexpr double kHopeless = 50;  // ... before any fit: none leads back from there, as a rule
+    constexpr double kLeast = 1.02;   // growth from which on that is the model's fault
     constexpr double kGrowth = 2;
     constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
     const int longest = Longest();
@@ -79,8 +80,16 @@ class GrowingFit {
         reached = rows;
         growth = std::min(growth * growth, kGrowth);
       }
-      rows = std::max(reached + 1, static_cast<int>(growth * reached));
-      if (rows > longest - reached / kRest) rows = longest;
+      const auto grown = [&] {
+        const int longer = std::max(reached + 1, static_cast<int>(growth * reached));
+        return longer > longest - reached / kRest ? longest : longer;
+      };
+      rows = grown();
+      const Eigen::VectorXd foreseen = Foreseen(rows);
+      while (!(foreseen[rows - 1] < kHopeless * least * rows) && growth > kLeast && rows > reached + 1) {
+        growth = std::sqrt(growth);
+        rows = grown();
+      }
     }
     point_.valid = true;
     return point_;
@@ -94,6 +103,33 @@ class GrowingFit {
   }
   int parameters() const { return static_cast<int>(point_.q.size()); }
   int unknowns() const { return parameters() + static_cast<int>(free_.size() * segments_.size()); }
+
+  /// The cost up to each row, were the runs to go on as they are.
+  Eigen::VectorXd Foreseen(int rows) {
+    const StateModel& model = *task_.model;
+    task_.Set(shooting::Unscaled(task_, point_.q), simulator_);
+    Eigen::VectorXd cost = Eigen::VectorXd::Zero(rows);
+    for (std::size_t e = 0; e < task_.episodes.size(); ++e) {
+      const Episode& episode = task_.episodes[e];
+      const int last = std::min(rows, episode.rows()) - 1;
+      simulator_.Run(episode, 0, last, simulator_.Initial(episode, Given(point_, e)), nullptr, run_);
+      for (int row = 0; row <= last; ++row)
+        for (int j = 0; j < model.output.rows; ++j) {
+          const double error =
+              (run_.outputs(row, j) - episode.signal(row, model.outputs[j])) / task_.noise[j];
+          if (std::isfinite(error)) cost[row] += 0.5 * error * error;
+        }
+      if (run_.diverged) cost[std::min(run_.rows, last)] = std::numeric_limits<double>::infinity();
+    }
+    for (int row = 1; row < rows; ++row) cost[row] += cost[row - 1];
+    return cost;
+  }
+
+  /// States that an episode begins with, as far as they are free.
+  Eigen::VectorXd Given(const shooting::Point& point, std::size_t episode) const {
+    return Eigen::Map<const Eigen::VectorXd>(point.z[episode].data(), task_.state_scale.size())
+        .cwiseProduct(task_.state_scale);
+  }
 
   /// What the file says a run begins near was said with other parameters: with these it is taken if it costs less.
   bool BeginsBetterAsGuessed(int rows) {
@@ -190,10 +226,8 @@ class GrowingFit {
     factor.tail(free).setOnes();
     for (std::size_t e = 0; e < task_.episodes.size(); ++e) {
       const Episode& episode = task_.episodes[e];
-      Eigen::VectorXd given(states);
-      for (int i = 0; i < states; ++i) given[i] = point.z[e][i] * task_.state_scale[i];
       RowMatrix by_parameter;
-      const Eigen::VectorXd x0 = simulator_.Initial(episode, given, &by_parameter);
+      const Eigen::VectorXd x0 = simulator_.Initial(episode, Given(point, e), &by_parameter);
       RowMatrix start = RowMatrix::Zero(states, n + free);
       start.leftCols(by_parameter.cols()) = by_parameter;
       for (int k = 0; k < free; ++k) start(free_[k], n + k) = task_.state_scale[free_[k]];
