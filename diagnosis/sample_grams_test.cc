@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "diagnosis/simulated_log_fixture.h"
 #include "models/effect.h"
 
@@ -25,7 +27,9 @@ TEST(GrowingGrams, AreThoseOfTheWholeModelToTheBit) {
   const auto base = std::make_shared<const ModelStructure>(BaseOnly(*log.model));
   for (const auto& first : {base, log.model}) {
     const GrowingGrams growing(first, log.strokes, log.window);
-    for (const auto& model : {first, Grown(*first, true), Grown(*first, false)}) {
+    const auto walking = Grown(*first, true), still = Grown(*first, false);
+    ASSERT_GT(std::min(walking->column_count(), still->column_count()), first->column_count());
+    for (const auto& model : {first, walking, still}) {
       const std::vector<StrokeGram> expected = GramsOf(model, log.strokes, log.window),
                                     grams = growing.Of(model);
       ASSERT_GT(grams.size(), 1u);
