@@ -23,9 +23,6 @@ struct GroupLanes {
 [[gnu::always_inline]] inline void AddProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& sum) {
   for (int h = 0; h < 2; ++h) sum.half[h] += a.half[h] * b.half[h];
 }
-[[gnu::always_inline]] inline void AddProduct(double a, const GroupLanes& b, GroupLanes& sum) {
-  for (int h = 0; h < 2; ++h) sum.half[h] += a * b.half[h];
-}
 [[gnu::always_inline]] inline void SubtractProduct(const GroupLanes& a, const GroupLanes& b,
                                                    GroupLanes& left) {
   for (int h = 0; h < 2; ++h) left.half[h] -= a.half[h] * b.half[h];
