@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "diagnosis/states/held_out_run.h"
 #include "workbench/states/states_output.h"
@@ -17,6 +18,18 @@ StateMachineOutcome OutcomeOf(int seed, int number) {
   StateMachinesOptions options;
   options.seed = static_cast<std::uint64_t>(seed);
   return RunCase(number, options);
+}
+
+/// The hidden effect of the case is named first; the next log then errs by at most `worst` times its noise.
+void ExpectNamed(int seed, int number, double worst = std::numeric_limits<double>::infinity()) {
+  const StateMachineOutcome outcome = OutcomeOf(seed, number);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+  EXPECT_LT(outcome.score.worst_ratio, worst) << outcome.line;
+}
+
+void ExpectUnknown(int seed, int number) {
+  const StateMachineOutcome outcome = OutcomeOf(seed, number);
+  EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
 }
 
 StatesExplanation ExplainOf(StateMachineKind kind, const std::string& hidden, const std::string& without = {},
@@ -166,63 +179,40 @@ TEST(StateMachines, OfEffectsThatComeToTheSameTheSimplestStands) {
 }
 
 /// The effect that holds the hidden one as a special case had begun nearer to it, and ended there.
-TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) {
-  const StateMachineOutcome outcome = OutcomeOf(89, 1);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-}
+TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) { ExpectNamed(89, 1); }
 
 /// The tanks without their spill stood in a minimum about which no effect helped.
-TEST(StateMachines, WhereNoEffectHelpsAllAreFittedFromAfar) {
-  const StateMachineOutcome outcome = OutcomeOf(340127, 112);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-}
+TEST(StateMachines, WhereNoEffectHelpsAllAreFittedFromAfar) { ExpectNamed(340127, 112); }
 
 /// Without the one group of pieces in which it spills the parameters run away, which functions undo; what the law leaves is next to
 /// nothing of what it explains.
-TEST(StateMachines, WhatIsLeftOfNextToNothingIsNoDoubt) {
-  const StateMachineOutcome outcome = OutcomeOf(90210, 16);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-}
+TEST(StateMachines, WhatIsLeftOfNextToNothingIsNoDoubt) { ExpectNamed(90210, 16); }
 
 /// The next log begins with a tank beyond its brim, from where nothing leads back.
 TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy) {
-  const StateMachineOutcome outcome = OutcomeOf(5101, 25);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-  EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+  ExpectNamed(5101, 25, 1.1);
 }
 
 /// Alone in a wrong minimum the right effect left what a second one, or nothing at all, seemed to be needed for.
 TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
-  for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)}) {
-    const StateMachineOutcome outcome = OutcomeOf(seed, number);
-    EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-    EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
-  }
+  for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)})
+    ExpectNamed(seed, number, 1.1);
 }
 
 /// Rare large swings of a hardening spring: about the fit without it linearisation foresees next to nothing of its law, and what
 /// functions predict is no more than chance may reach.
 TEST(StateMachines, WhereWhatIsLeftIsNoWhiteNoiseEffectsAreTriedThatPromiseNothing) {
-  const StateMachineOutcome outcome = OutcomeOf(7411, 168);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-  EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+  ExpectNamed(7411, 168, 1.1);
 }
 
 TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
-  const StateMachineOutcome outcome = OutcomeOf(901, 7);
-  EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
+  ExpectUnknown(901, 7);
 }
 
 /// A few spills hold most of the error: chance reaches what functions predict of it in one of twenty logs, and yet it is no all-clear.
-TEST(StateMachines, ARareLawOutsideTheFileLeavesNoAllClear) {
-  const StateMachineOutcome outcome = OutcomeOf(61, 31);
-  EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
-}
+TEST(StateMachines, ARareLawOutsideTheFileLeavesNoAllClear) { ExpectUnknown(61, 31); }
 
-TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
-  const StateMachineOutcome outcome = OutcomeOf(6203, 136);
-  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
-}
+TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) { ExpectNamed(6203, 136); }
 
 TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
   StateMachinesOptions options;
