@@ -30,8 +30,9 @@ std::uint64_t HashOf(const SampleBlock& block, std::size_t row) {
 
 }  // namespace
 
-RepeatedRows::RepeatedRows(std::size_t signals)
-    : channels_(signals), hashes_(kRowsRemembered), latest_(kRowsRemembered, -1) {}
+RepeatedRows::RepeatedRows(std::size_t signals) : channels_(signals), latest_(kRowsRemembered) {
+  hashes_.reserve(kRowsRemembered);
+}
 
 void RepeatedRows::Inspect(SampleBlock& block) {
   const std::size_t held = held_.rows();
@@ -40,8 +41,11 @@ void RepeatedRows::Inspect(SampleBlock& block) {
   for (std::size_t row = held; row < block.rows(); ++row, ++row_) {
     const std::uint64_t hash = HashOf(block, row);
     if (Changes(block, row)) Compare(hash);
-    latest_[hash % kRowsRemembered] = row_;
-    hashes_[Slot(row_)] = hash;
+    latest_[hash % kRowsRemembered] = static_cast<std::uint32_t>(row_);
+    if (hashes_.size() < kRowsRemembered)
+      hashes_.push_back(hash);
+    else
+      hashes_[static_cast<std::size_t>(row_) % kRowsRemembered] = hash;
     if (same_ < kRowsToProve) continue;
     const std::size_t flagged = same_ == kRowsToProve ? std::min<std::size_t>(kRowsToProve, row + 1) : 1;
     copies_ += static_cast<std::int64_t>(flagged);
@@ -75,19 +79,20 @@ bool RepeatedRows::Changes(const SampleBlock& block, std::size_t row) {
 }
 
 void RepeatedRows::Compare(std::uint64_t hash) {
-  const std::int64_t latest = latest_[hash % kRowsRemembered];
-  const auto is_same = [&](std::int64_t row) {
-    return row >= 0 && row_ - row < static_cast<std::int64_t>(kRowsRemembered) && hashes_[Slot(row)] == hash;
-  };
-  if (distance_ > 0 && is_same(row_ - distance_)) {
+  if (distance_ > 0 && IsAt(row_ - distance_, hash)) {
     ++same_;
-  } else {
-    const bool known = is_same(latest);
-    distance_ = known ? row_ - latest : 0;
-    same_ = known ? 1 : 0;
+    return;
   }
+  const std::uint32_t back = static_cast<std::uint32_t>(row_) - latest_[hash % kRowsRemembered];
+  const bool known = IsAt(row_ - back, hash);
+  distance_ = known ? back : 0;
+  same_ = known ? 1 : 0;
 }
 
-std::size_t RepeatedRows::Slot(std::int64_t row) { return static_cast<std::size_t>(row) % kRowsRemembered; }
+/// Whether a row before this one, of those remembered, has the hash.
+bool RepeatedRows::IsAt(std::int64_t row, std::uint64_t hash) const {
+  return row >= 0 && row < row_ && row_ - row <= static_cast<std::int64_t>(hashes_.size()) &&
+         hashes_[static_cast<std::size_t>(row) % kRowsRemembered] == hash;
+}
 
 }  // namespace hydroscope

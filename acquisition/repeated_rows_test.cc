@@ -75,6 +75,16 @@ TEST(RepeatedRows, DoesNotDependOnTheBlocks) {
   EXPECT_EQ(Flagged(rows, 7), flagged);
 }
 
+TEST(RepeatedRows, RemembersTheLastQuarterOfAMillionRowsOfALongLog) {
+  SampleBlock rows = NoisyRows(600'000, 0.1);
+  Copy(320'000, 560'000, 100, rows);  // both behind the rows that are remembered at first
+  Copy(200'000, 590'000, 100, rows);  // forgotten by then
+  const auto flagged = Flagged(rows, 1024);
+  ASSERT_GT(flagged.size(), 90u);  // a row whose hash another has taken the place of is no beginning
+  EXPECT_GE(flagged.front(), 560'000u);
+  EXPECT_EQ(flagged.back(), 560'099u);
+}
+
 TEST(RepeatedRows, LeavesAMachineWithoutNoiseAlone) {
   EXPECT_TRUE(Flagged(NoisyRows(4000, 0), 4000).empty());
 }

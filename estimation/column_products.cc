@@ -8,26 +8,33 @@
 namespace hydroscope {
 namespace {
 
-/// Adds packed * packed' on and below the diagonal of kColumns columns from `j` on, one vector of kLanes rows
-/// at a time. Every element is summed in the order of the equations, whatever the width of the vectors.
+/// Adds packed * packed' on and below the diagonal of kColumns columns from `j` on, two vectors of kLanes rows
+/// at a time, so that few sums wait for the one before. Every element is summed in the order of the equations, whatever the width of the vectors.
 template <int kLanes, int kColumns>
 [[gnu::always_inline]] inline void AddColumns(const double* packed, int rows, int count, int j,
                                               double* lower) {
   typedef double Vector __attribute__((vector_size(8 * kLanes)));
-  for (int i = j / kLanes * kLanes; i < rows; i += kLanes) {
-    Vector sum[kColumns] = {};
+  for (int i = j / (2 * kLanes) * 2 * kLanes; i < rows; i += 2 * kLanes) {
+    Vector upper[kColumns] = {}, under[kColumns] = {};
     for (int k = 0; k < count; ++k) {
       const double* x = packed + k * rows;
-      Vector tall;
-      std::memcpy(&tall, x + i, sizeof tall);
-      for (int c = 0; c < kColumns; ++c) sum[c] += tall * x[j + c];
+      Vector up, down;
+      std::memcpy(&up, x + i, sizeof up);
+      std::memcpy(&down, x + i + kLanes, sizeof down);
+      for (int c = 0; c < kColumns; ++c) {
+        upper[c] += up * x[j + c];
+        under[c] += down * x[j + c];
+      }
     }
     for (int c = 0; c < kColumns; ++c) {
       double* place = lower + (j + c) * rows + i;
-      Vector total;
-      std::memcpy(&total, place, sizeof total);
-      total += sum[c];
-      std::memcpy(place, &total, sizeof total);
+      Vector up, down;
+      std::memcpy(&up, place, sizeof up);
+      std::memcpy(&down, place + kLanes, sizeof down);
+      up += upper[c];
+      down += under[c];
+      std::memcpy(place, &up, sizeof up);
+      std::memcpy(place + kLanes, &down, sizeof down);
     }
   }
 }
@@ -49,16 +56,11 @@ void AddProducts128(const double* packed, int rows, int count, int columns, doub
                                             double* lower) {
   AddProducts<4>(packed, rows, count, columns, lower);
 }
-[[gnu::target("avx512f")]] void AddProducts512(const double* packed, int rows, int count, int columns,
-                                               double* lower) {
-  AddProducts<8>(packed, rows, count, columns, lower);
-}
 #endif
 
 /// The widest vectors this processor has.
 AddProductsFunction WidestAddProducts() {
 #ifdef HYDROSCOPE_HAS_WIDE
-  if (__builtin_cpu_supports("avx512f")) return AddProducts512;
   if (__builtin_cpu_supports("avx2")) return AddProducts256;
 #endif
   return AddProducts128;

@@ -15,19 +15,16 @@ constexpr int kFewestRows = 4;  // of a block: fewer do not part sensor noise fr
 /// Blocks per sample of ModelStructure::disturb, whose noise changes with opening and pressure only.
 constexpr int kWalkStep = 5;
 
-/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
-typedef BlockWeights StoredWeights __attribute__((aligned(16)));
-
 /// Mean level and sign contrast (times `share`) of each block, `stride` apart; returns the level after the
 /// last block. Only the level waits for the block before.
 HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
                                  int blocks, double level, double share, double* mean, double* contrast,
                                  std::ptrdiff_t stride) {
-  const StoredWeights *const first = weights.data(), *const end = first + weights.size();
+  const BlockWeights *const first = weights.data(), *const end = first + weights.size();
   for (int b = 0; b < blocks; ++b) {
-    BlockWeights sum{};
+    BlockWeights::Lanes sum{};
 #pragma GCC unroll 5
-    for (const StoredWeights* weight = first; weight != end; ++weight) sum += *increments++ * *weight;
+    for (const BlockWeights* weight = first; weight != end; ++weight) sum += *increments++ * weight->lanes;
     mean[b * stride] = level + sum[0];
     contrast[b * stride] = share * sum[1];
     level += sum[2];
@@ -108,16 +105,16 @@ std::vector<BlockWeights> WeightsOfIncrements(int block) {
   std::vector<BlockWeights> weights(block);
   int signs = 0;
   for (int k = block - 1; k >= 0; --k) {
-    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
+    weights[k].lanes = BlockWeights::Lanes{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0};
     signs += ContrastSign(k, block);
   }
   return weights;
 }
 
 std::vector<BlockWeights> WeightsOfValues(int block) {
-  std::vector<BlockWeights> weights;
+  std::vector<BlockWeights> weights(block);
   for (int k = 0; k < block; ++k)
-    weights.push_back(BlockWeights{1.0 / block, ContrastSign(k, block) * ContrastScale(block), 0.0, 0.0});
+    weights[k].lanes = BlockWeights::Lanes{1.0 / block, ContrastSign(k, block) * ContrastScale(block)};
   return weights;
 }
 

@@ -71,8 +71,12 @@ inline int ContrastSign(int k, int rows) {
 /// By what the sum of the signed rows is multiplied to vary with white noise as the mean of the block does.
 inline double ContrastScale(int rows) { return 1.0 / std::sqrt(static_cast<double>(rows) * (rows / 4 * 4)); }
 
-/// Weights of one increment of a block: mean, alternating signs, rise; four lanes, the last one unused.
-typedef double BlockWeights __attribute__((vector_size(32)));
+/// Weights of one increment of a block, or what increments have summed to: mean, alternating signs, rise; the last lane is unused.
+/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
+struct BlockWeights {
+  typedef double Lanes __attribute__((vector_size(32), aligned(16)));
+  Lanes lanes{};
+};
 /// Of the increments of a block of `block` samples, one each.
 std::vector<BlockWeights> WeightsOfIncrements(int block);
 /// Of values in their place, as the level form takes them; they rise by nothing.

@@ -31,8 +31,10 @@ StrokeAccumulator::StrokeAccumulator(int known, int columns)
 void StrokeAccumulator::AddOuter(const Eigen::MatrixXd& known, const Eigen::MatrixXd& own, int count,
                                  Eigen::MatrixXd& lower) {
   if (packed_.cols() < count) packed_.setZero(lower.rows(), count);
-  packed_.topLeftCorner(lower.cols(), count) = own.leftCols(count);
-  if (known_ > 0) packed_.block(lower.cols(), 0, known_, count) = known.leftCols(count);
+  for (int k = 0; k < count; ++k) {  // several times quicker than blocks of Eigen, which begin unaligned
+    std::copy_n(own.col(k).data(), lower.cols(), packed_.col(k).data());
+    if (known_ > 0) std::copy_n(known.col(k).data(), known_, packed_.col(k).data() + lower.cols());
+  }
   AddColumnProducts(packed_.data(), count, lower);
 }
 

@@ -32,17 +32,28 @@ std::vector<int> WatchedOf(const Explanation& explanation) {
   return watched;
 }
 
-/// Energy of column `own` that neither the first `known` columns nor column `other`, at whatever sizes, can take over, from
-/// the products of all columns.
-double Separation(const Eigen::MatrixXd& products, Eigen::Index known, Eigen::Index own, Eigen::Index other) {
-  std::vector<Eigen::Index> regressors(static_cast<std::size_t>(known) + 1, other);
-  std::iota(regressors.begin(), regressors.end() - 1, Eigen::Index{0});
-  const Eigen::MatrixXd h = products(regressors, regressors);
-  const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inverse = PseudoInverse(scale.asDiagonal() * h * scale.asDiagonal());
-  const Eigen::VectorXd cross = scale.asDiagonal() * products(regressors, own);
-  return std::max(0.0, products(own, own) - cross.dot(inverse * cross));
-}
+/// The first `known` columns and column `other`, at whatever sizes, from the products of all columns.
+class TakenOver {
+ public:
+  TakenOver(const Eigen::MatrixXd& products, Eigen::Index known, Eigen::Index other)
+      : products_(products), regressors_(static_cast<std::size_t>(known) + 1, other) {
+    std::iota(regressors_.begin(), regressors_.end() - 1, Eigen::Index{0});
+    const Eigen::MatrixXd h = products_(regressors_, regressors_);
+    scale_ = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    inverse_ = PseudoInverse(scale_.asDiagonal() * h * scale_.asDiagonal());
+  }
+  /// Energy of column `own` that they cannot take over.
+  double LeavesOf(Eigen::Index own) const {
+    const Eigen::VectorXd cross = scale_.asDiagonal() * products_(regressors_, own);
+    return std::max(0.0, products_(own, own) - cross.dot(inverse_ * cross));
+  }
+
+ private:
+  const Eigen::MatrixXd& products_;
+  std::vector<Eigen::Index> regressors_;
+  Eigen::VectorXd scale_;
+  Eigen::MatrixXd inverse_;
+};
 
 }  // namespace
 
@@ -157,10 +168,12 @@ std::vector<double> Rivals::Separations(const RivalEvidence& evidence) const {
   for (std::size_t k = 0; k < unit_.size(); ++k)
     columns.col(fitted + static_cast<Eigen::Index>(k)) = unit_[k];
   const Eigen::MatrixXd products = columns.transpose() * (evidence.total * columns);
+  std::vector<TakenOver> taken_over;
+  for (std::size_t k = 0; k < unit_.size(); ++k)
+    taken_over.emplace_back(products, known, fitted + static_cast<Eigen::Index>(k));
   std::vector<double> out;
   for (const Pair& pair : pairs_) {
-    const double energy = Separation(products, known, known + static_cast<Eigen::Index>(pair.a),
-                                     fitted + static_cast<Eigen::Index>(pair.b)) *
+    const double energy = taken_over[pair.b].LeavesOf(known + static_cast<Eigen::Index>(pair.a)) *
                           evidence.equations / evidence.noise;
     const double apart = pair.apart * evidence.equations;
     const double weight = pair.apart > 0 ? kExperiment.settled / std::max(apart, kExperiment.settled)

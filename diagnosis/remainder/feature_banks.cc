@@ -74,10 +74,11 @@ std::vector<double> SamplesOf(std::span<const StrokeStretches> strokes, int chan
 
 FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window)
-    : model_(model), strokes_(strokes), window_(window), column_state_(model.columns.size(), 0.0) {
-  for (const BlockWeights& weights :
-       model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block))
-    weights_.push_back({weights});
+    : model_(model),
+      strokes_(strokes),
+      window_(window),
+      weights_(model.level_form ? WeightsOfValues(window.block) : WeightsOfIncrements(window.block)),
+      column_state_(model.columns.size(), 0.0) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const int channel : AxisChannels()) {
     const std::vector<double> values = SamplesOf(strokes, channel);
@@ -159,25 +160,25 @@ void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
 /// is at sample k).
 template <typename Visit>
 void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const {
-  rows.means.resize(blocks, features);
-  rows.noise.resize(blocks, features);
-  std::vector<StoredWeights> sums(features);
-  const auto add_as = [&sums](const StoredWeights& weights) {
-    return [&sums, &weights](int f, double x) { sums[f].stored += x * weights.stored; };
+  rows.means.resize(features, blocks);
+  rows.noise.resize(features, blocks);
+  std::vector<BlockWeights> sums(features);
+  const auto add_as = [&sums](const BlockWeights& weights) {
+    return [&sums, &weights](int f, double x) { sums[f].lanes += x * weights.lanes; };
   };
-  const StoredWeights lead{{0, 0, 1, 0}};
+  const BlockWeights lead{{0, 0, 1, 0}};
   for (int k = 0; !model_.level_form && k < lead_; ++k) visit(k, add_as(lead));
   for (int b = 0; b < blocks; ++b) {
-    for (auto& [sum] : sums) sum = BlockWeights{sum[2], 0, sum[2], 0};
+    for (auto& [sum] : sums) sum = BlockWeights::Lanes{sum[2], 0, sum[2], 0};
     for (int row = 0; row < window_.block; ++row)
       visit(lead_ + b * window_.block + row, add_as(weights_[row]));
     for (int f = 0; f < features; ++f) {
-      rows.means(b, f) = sums[f].stored[0];
-      rows.noise(b, f) = sums[f].stored[1];
+      rows.means(f, b) = sums[f].lanes[0];
+      rows.noise(f, b) = sums[f].lanes[1];
     }
   }
   if (model_.level_form) return;
-  rows.means.rowwise() -= rows.means.colwise().mean().eval();
+  rows.means.colwise() -= rows.means.rowwise().mean().eval();
   rows.noise *= std::sqrt(std::max(0.0, blocks - 1.0) / std::max(1, blocks));
 }
 
@@ -206,15 +207,15 @@ HYDROSCOPE_WIDE void FeatureBanks::FillModulated(const FeatureBank& bank, int bl
 
 /// Within a span the time is as good as constant: the terms' own rows times its powers.
 void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const {
-  rows.means.resize(out_.model.means.rows(), bank.count);
+  rows.means.resize(bank.count, out_.model.means.cols());
   rows.noise.resizeLike(rows.means);
   double power = 1;
   for (int p = 0; p < kTrendPowers; ++p) {
     power *= time;
     for (std::size_t i = 0; i < bank.columns.size(); ++i) {
       const int f = p * static_cast<int>(bank.columns.size()) + static_cast<int>(i);
-      rows.means.col(f) = power * out_.model.means.col(bank.columns[i]);
-      rows.noise.col(f) = power * out_.model.noise.col(bank.columns[i]);
+      rows.means.row(f) = power * out_.model.means.row(bank.columns[i]);
+      rows.noise.row(f) = power * out_.model.noise.row(bank.columns[i]);
     }
   }
 }

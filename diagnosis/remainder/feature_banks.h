@@ -20,18 +20,12 @@ struct FeatureBank {
 };
 
 /// Columns of one stretch in the form of the balance's own equations: block means of the running integral about their mean over
-/// the span (in the level form block means as they are), one row per block.
+/// the span (in the level form block means as they are), one column of each matrix per block.
 struct BlockColumns {
-  Eigen::MatrixXd means;  ///< blocks x columns
+  Eigen::MatrixXd means;  ///< columns x blocks
   /// The same shape, of rows with alternating signs (SpanEquations::noise): white sensor noise makes products of these what it
   /// makes products of `means`, and motion leaves nothing in them.
   Eigen::MatrixXd noise;
-};
-
-/// Aligned as memory without AVX is, whichever processor a function that reads them is compiled for.
-struct StoredWeights {
-  typedef BlockWeights Stored __attribute__((aligned(16)));
-  Stored stored{};
 };
 
 struct FeatureRows {
@@ -76,7 +70,7 @@ class FeatureBanks {
   const ModelStructure& model_;
   std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
-  std::vector<StoredWeights> weights_;  ///< one per sample of a block
+  std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<Axis> axes_;
   int paired_ = 0;  ///< the first so many axes are taken two at a time too
   std::vector<FeatureBank> banks_;

@@ -11,15 +11,11 @@ namespace {
 
 constexpr int kGroupLanes = 8;     ///< groups left out side by side, each in a lane of its own
 constexpr int kColumnsAtOnce = 4;  ///< of the solution, for each element of the factor that is loaded
+constexpr int kLanesAtOnce = 4;    ///< of choices of signs, for each element of the form that is loaded
 
-/// A number per group, in two vectors of four: vectors of eight, without AVX-512, are taken apart into words in memory by GCC 12 and
-/// put together again, at every operation. Aligned as memory without AVX is, whichever processor a function is compiled for.
-struct GroupLanes {
-  typedef double Four __attribute__((vector_size(32), aligned(16)));
-  Four half[2] = {};
-  double operator[](int lane) const { return half[lane / 4][lane % 4]; }
-  void Set(int lane, double value) { half[lane / 4][lane % 4] = value; }
-};
+/// A number per group.
+using GroupLanes = EightLanes;
+
 [[gnu::always_inline]] inline void AddProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& sum) {
   for (int h = 0; h < 2; ++h) sum.half[h] += a.half[h] * b.half[h];
 }
@@ -76,6 +72,29 @@ HYDROSCOPE_WIDE void Multiply(int n, const GroupLanes* h, const GroupLanes* x, G
   }
 }
 
+[[gnu::always_inline]] inline GroupLanes InAllLanes(double value) {
+  GroupLanes lanes;
+  for (auto& half : lanes.half) half = EightLanes::Four{value, value, value, value};
+  return lanes;
+}
+
+/// `total` (by columns) less what each group has of it, by rows.
+HYDROSCOPE_WIDE void TakeOff(int n, const double* total, const GroupLanes* h, GroupLanes* left) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const GroupLanes sum = InAllLanes(total[j * n + i]);
+      for (int v = 0; v < 2; ++v) left[i * n + j].half[v] = sum.half[v] - h[i * n + j].half[v];
+    }
+}
+
+/// `column` of `x` (by rows of kColumnsAtOnce) times `q`.
+HYDROSCOPE_WIDE void TimesColumn(int n, const GroupLanes* x, int column, const GroupLanes* q,
+                                 GroupLanes* product) {
+  GroupLanes sum;
+  for (int i = 0; i < n; ++i) AddProduct(x[i * kColumnsAtOnce + column], q[i], sum);
+  *product = sum;
+}
+
 /// x' y of each pair of columns, over all lanes.
 HYDROSCOPE_WIDE void ProductsOverLanes(int n, const GroupLanes* x, const GroupLanes* y, double* products) {
   for (int a = 0; a < kColumnsAtOnce; ++a) {
@@ -91,6 +110,23 @@ HYDROSCOPE_WIDE void ProductsOverLanes(int n, const GroupLanes* x, const GroupLa
   }
 }
 
+/// Of as many choices as kLanesAtOnce lanes hold, whose `signs` are by groups.
+HYDROSCOPE_WIDE void AddEnergies(int groups, const double* form, const EightLanes* signs,
+                                 EightLanes* energies) {
+  for (int i = 0; i < groups; ++i) {
+    EightLanes sum[kLanesAtOnce] = {};
+    for (int j = 0; j < i; ++j) {
+      const EightLanes weight = InAllLanes(2 * form[i * groups + j]);
+      for (int l = 0; l < kLanesAtOnce; ++l) AddProduct(weight, signs[j * kLanesAtOnce + l], sum[l]);
+    }
+    const EightLanes own = InAllLanes(form[i * groups + i]);
+    for (int l = 0; l < kLanesAtOnce; ++l) {
+      AddProduct(own, signs[i * kLanesAtOnce + l], sum[l]);
+      AddProduct(sum[l], signs[i * kLanesAtOnce + l], energies[l]);
+    }
+  }
+}
+
 /// The groups from `first` on, one a lane, each left out in turn.
 class LeftOut {
  public:
@@ -100,10 +136,15 @@ class LeftOut {
         first_(first),
         lanes_(static_cast<int>(std::min<Eigen::Index>(kGroupLanes, groups.q.cols() - first))),
         h_(static_cast<std::size_t>(n_) * n_),
-        factor_(h_.size()) {
-    for (int i = 0; i < n_; ++i)
-      for (int j = 0; j < n_; ++j)
-        for (int lane = 0; lane < lanes_; ++lane) h_[i * n_ + j].Set(lane, groups.h[first + lane](i, j));
+        factor_(h_.size()),
+        q_(static_cast<std::size_t>(n_)) {
+    for (int lane = 0; lane < lanes_; ++lane) {
+      used_.Set(lane, 1);
+      for (int i = 0; i < n_; ++i) {
+        q_[i].Set(lane, groups.q(i, first + lane));
+        for (int j = 0; j < n_; ++j) h_[i * n_ + j].Set(lane, groups.h[first + lane](i, j));
+      }
+    }
   }
 
   /// To the lower half of `form`. `total`: equations of all groups, with the ridge.
@@ -118,16 +159,15 @@ class LeftOut {
   int n_;
   Eigen::Index first_;
   int lanes_;
+  GroupLanes used_;                     ///< 1 in lanes that hold a group
   std::vector<GroupLanes> h_, factor_;  ///< n x n
+  std::vector<GroupLanes> q_;           ///< n
   std::vector<GroupLanes>
       solutions_;  ///< c_u without each group, kColumnsAtOnce by kColumnsAtOnce; c_s without s is 0
 };
 
 void LeftOut::Solve(const Eigen::MatrixXd& total) {
-  for (int i = 0; i < n_; ++i)
-    for (int j = 0; j < n_; ++j)
-      for (int lane = 0; lane < kGroupLanes; ++lane)
-        factor_[i * n_ + j].Set(lane, total(i, j) - h_[i * n_ + j][lane]);
+  TakeOff(n_, total.data(), h_.data(), factor_.data());
   FactorInPlace(n_, factor_.data());
   const Eigen::Index groups = groups_.q.cols();
   const auto blocks = static_cast<std::size_t>((groups + kColumnsAtOnce - 1) / kColumnsAtOnce);
@@ -135,10 +175,11 @@ void LeftOut::Solve(const Eigen::MatrixXd& total) {
   for (std::size_t b = 0; b < blocks; ++b) {
     GroupLanes* const x = solutions_.data() + b * block_size();
     for (int c = 0; c < kColumnsAtOnce; ++c) {
-      const Eigen::Index u = static_cast<Eigen::Index>(b) * kColumnsAtOnce + c;
-      for (int i = 0; u < groups && i < n_; ++i)
-        for (int lane = 0; lane < lanes_; ++lane)
-          x[i * kColumnsAtOnce + c].Set(lane, u == first_ + lane ? 0.0 : groups_.q(i, u));
+      const Eigen::Index u = static_cast<Eigen::Index>(b) * kColumnsAtOnce + c, own = u - first_;
+      if (u >= groups) continue;
+      GroupLanes others = used_;
+      if (own >= 0 && own < lanes_) others.Set(static_cast<int>(own), 0);
+      for (int i = 0; i < n_; ++i) PutProduct(InAllLanes(groups_.q(i, u)), others, x[i * kColumnsAtOnce + c]);
     }
     SolveInPlace(n_, factor_.data(), x);
   }
@@ -161,16 +202,17 @@ void LeftOut::AddTo(const Eigen::MatrixXd& total, Eigen::MatrixXd& form) {
         }
     }
   }
-  for (int lane = 0; lane < lanes_; ++lane) {
-    const Eigen::Index s = first_ + lane;
-    for (Eigen::Index u = 0; u < form.cols(); ++u) {
-      const GroupLanes* const x = solutions_.data() + u / kColumnsAtOnce * block_size() + u % kColumnsAtOnce;
-      double cross = 0;
-      for (int i = 0; i < n_; ++i) cross += x[i * kColumnsAtOnce][lane] * groups_.q(i, s);
-      form(std::max(s, u), std::min(s, u)) -= cross;  // its own solution is 0
+  for (Eigen::Index u = 0; u < form.cols(); ++u) {
+    GroupLanes cross;
+    TimesColumn(n_, solutions_.data() + u / kColumnsAtOnce * block_size(),
+                static_cast<int>(u % kColumnsAtOnce), q_.data(), &cross);
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const Eigen::Index s = first_ + lane;
+      form(std::max(s, u), std::min(s, u)) -= cross[lane];  // its own solution is 0
     }
-    form(s, s) += groups_.energy[s];
   }
+  for (int lane = 0; lane < lanes_; ++lane)
+    form(first_ + lane, first_ + lane) += groups_.energy[first_ + lane];
 }
 
 }  // namespace
@@ -192,6 +234,30 @@ std::vector<Eigen::MatrixXd> HeldOutForms(const GroupEquations& groups, const Ei
   for (Eigen::MatrixXd& form : forms)
     form.triangularView<Eigen::StrictlyUpper>() = form.transpose().triangularView<Eigen::StrictlyUpper>();
   return forms;
+}
+
+SignChoices::SignChoices(const Eigen::MatrixXd& signs) : groups_(signs.rows()), choices_(signs.cols()) {
+  constexpr Eigen::Index kTogether = kGroupLanes * kLanesAtOnce;
+  const Eigen::Index blocks = (choices_ + kTogether - 1) / kTogether;
+  signs_.resize(static_cast<std::size_t>(blocks * groups_ * kLanesAtOnce));
+  for (Eigen::Index c = 0; c < choices_; ++c)
+    for (Eigen::Index g = 0; g < groups_; ++g)
+      signs_[static_cast<std::size_t>((c / kTogether * groups_ + g) * kLanesAtOnce +
+                                      c % kTogether / kGroupLanes)]
+          .Set(static_cast<int>(c % kGroupLanes), signs(g, c));
+}
+
+Eigen::VectorXd SignChoices::Energies(const Eigen::MatrixXd& form) const {
+  Eigen::VectorXd out(choices_);
+  constexpr Eigen::Index kTogether = kGroupLanes * kLanesAtOnce;
+  for (Eigen::Index first = 0; first < choices_; first += kTogether) {
+    EightLanes energies[kLanesAtOnce] = {};
+    AddEnergies(static_cast<int>(groups_), form.data(),
+                signs_.data() + first / kTogether * groups_ * kLanesAtOnce, energies);
+    for (Eigen::Index k = 0; k < std::min(kTogether, choices_ - first); ++k)
+      out[first + k] = energies[k / kGroupLanes][static_cast<int>(k % kGroupLanes)];
+  }
+  return out;
 }
 
 }  // namespace hydroscope

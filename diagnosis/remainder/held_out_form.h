@@ -17,4 +17,26 @@ struct GroupEquations {
 /// The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
 std::vector<Eigen::MatrixXd> HeldOutForms(const GroupEquations& groups, const Eigen::MatrixXd& ridges);
 
+/// Numbers in two vectors of four: vectors of eight, without AVX-512, are taken apart into words in memory by GCC 12 and put
+/// together again, at every operation. Aligned as memory without AVX is, whichever processor a function is compiled for.
+struct EightLanes {
+  typedef double Four __attribute__((vector_size(32), aligned(16)));
+  Four half[2] = {};
+  double operator[](int lane) const { return half[lane / 4][lane % 4]; }
+  void Set(int lane, double value) { half[lane / 4][lane % 4] = value; }
+};
+
+/// Choices of signs of the groups.
+class SignChoices {
+ public:
+  /// `signs`: groups x choices.
+  explicit SignChoices(const Eigen::MatrixXd& signs);
+  /// e' form e of each choice e; `form` is symmetric.
+  Eigen::VectorXd Energies(const Eigen::MatrixXd& form) const;
+
+ private:
+  Eigen::Index groups_, choices_;
+  std::vector<EightLanes> signs_;  ///< some choices side by side; by groups, and so for the next ones
+};
+
 }  // namespace hydroscope

@@ -67,5 +67,23 @@ TEST(HeldOutForms, IsTheEnergyOfWhatFitsWithoutEachGroupLeave) {
     }
 }
 
+/// More and fewer choices than are taken at once.
+TEST(SignChoices, HaveTheEnergiesOfTheForm) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const int groups : {1, 7, 20})
+    for (const int choices : {1, 31, 32, 33, 200}) {
+      const Eigen::MatrixXd half =
+          Eigen::MatrixXd::NullaryExpr(groups, groups, [&] { return normal(random); });
+      const Eigen::MatrixXd form = half + half.transpose();
+      const Eigen::MatrixXd signs =
+          Eigen::MatrixXd::NullaryExpr(groups, choices, [&] { return (random() >> 63) != 0 ? 1.0 : -1.0; });
+      const Eigen::VectorXd energies = SignChoices(signs).Energies(form);
+      ASSERT_EQ(energies.size(), choices);
+      for (int c = 0; c < choices; ++c)
+        EXPECT_NEAR(energies[c], signs.col(c).dot(form * signs.col(c)), 1e-12 * groups * groups);
+    }
+}
+
 }  // namespace
 }  // namespace hydroscope

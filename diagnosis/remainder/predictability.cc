@@ -23,8 +23,14 @@ constexpr double kLeastEnergy = 1e-12;   ///< of a feature over the largest of i
 /// Sums of products of one group: features f; z are regressors of the model and at last the residual, whose products with all others
 /// are without noise.
 struct GroupGram {
-  Eigen::MatrixXd ff, fz, zz;
-  double rows = 0;  ///< equations
+  Eigen::MatrixXd
+      features;  ///< of AddColumnProducts: a column each; rows are features (on and below the diagonal), then z
+  Eigen::MatrixXd zz;  ///< on and below the diagonal
+  double rows = 0;     ///< equations
+
+  Eigen::Index feature_count() const { return features.cols(); }
+  double ff(Eigen::Index i, Eigen::Index j) const { return features(std::max(i, j), std::min(i, j)); }
+  double fz(Eigen::Index f, Eigen::Index c) const { return features(features.cols() + c, f); }
 };
 
 /// A model's regressors and residual as combinations of its columns.
@@ -84,26 +90,45 @@ class Grouping {
 /// Per fit and bank, the Grams of all groups.
 using BankGrams = std::vector<GroupGram>;
 
-/// `lost`: rows that centring takes. White sensor noise that features and regressors share with the residual is no law: it is
-/// taken out of their products with it, the last column of `z`.
-void AddRows(const BlockColumns& features, const BlockColumns& z, double lost, GroupGram& sum) {
-  const auto f = features.means.cols(), m = z.means.cols(), residual = m - 1;
-  if (sum.zz.size() == 0) {
-    sum.ff.setZero(f, f);
-    sum.fz.setZero(f, m);
-    sum.zz.setZero(m, m);
+/// A fit's regressors and residual over one stretch, and their products.
+class FitRows {
+ public:
+  FitRows(const BlockColumns& model, const Eigen::MatrixXd& regressors)
+      : z_{regressors.transpose() * model.means, regressors.transpose() * model.noise} {
+    const auto residual = z_.means.rows() - 1;
+    zz_.setZero(PaddedColumns(static_cast<int>(z_.means.rows())), z_.means.rows());
+    packed_.setZero(zz_.rows(), z_.means.cols());
+    packed_.topRows(z_.means.rows()) = z_.means;
+    AddColumnProducts(packed_.data(), static_cast<int>(packed_.cols()), zz_);
+    zz_.row(residual).head(residual).noalias() -=
+        z_.noise.row(residual) * z_.noise.topRows(residual).transpose();
   }
-  RowMatrix both(z.means.rows(), f + m);
-  both << features.means, z.means;
-  const Eigen::MatrixXd products = ColumnProducts(both);
-  sum.ff += products.topLeftCorner(f, f);
-  sum.fz += products.topRightCorner(f, m);
-  sum.zz += products.bottomRightCorner(m, m);
-  sum.fz.col(residual).noalias() -= features.noise.transpose() * z.noise.col(residual);
-  sum.zz.col(residual).head(residual).noalias() -=
-      z.noise.leftCols(residual).transpose() * z.noise.col(residual);
-  sum.rows += static_cast<double>(features.means.rows()) - lost;
-}
+  bool finite() const { return z_.means.allFinite(); }
+
+  /// `lost`: rows that centring takes. White sensor noise that features and regressors share with the residual is no law: it is
+  /// taken out of their products with it.
+  void AddTo(const BlockColumns& bank, double lost, GroupGram& sum) {
+    const auto f = bank.means.rows(), m = z_.means.rows(), blocks = bank.means.cols();
+    if (sum.zz.size() == 0) {
+      sum.features.setZero(PaddedColumns(static_cast<int>(f + m)), f);
+      sum.zz.setZero(zz_.rows(), m);
+    }
+    packed_.resize(sum.features.rows(), blocks);
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+      double* const column = packed_.col(b).data();
+      std::copy_n(z_.means.col(b).data(), m, std::copy_n(bank.means.col(b).data(), f, column));
+      std::fill(column + f + m, column + packed_.rows(), 0.0);
+    }
+    AddColumnProducts(packed_.data(), static_cast<int>(blocks), sum.features);
+    sum.features.row(f + m - 1).noalias() -= z_.noise.row(m - 1) * bank.noise.transpose();
+    sum.zz += zz_;
+    sum.rows += static_cast<double>(blocks) - lost;
+  }
+
+ private:
+  BlockColumns z_;
+  Eigen::MatrixXd zz_, packed_;
+};
 
 /// Normal equations of features and regressors with the features scaled to unit energy over all groups.
 struct BankProblem {
@@ -117,10 +142,10 @@ struct BankProblem {
 
 BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
   const auto m = groups.front().zz.cols() - 1;
-  Eigen::VectorXd energies = Eigen::VectorXd::Zero(groups.front().ff.cols());
+  Eigen::VectorXd energies = Eigen::VectorXd::Zero(groups.front().feature_count());
   Eigen::VectorXd own = Eigen::VectorXd::Zero(m);
   for (const GroupGram& g : groups) {
-    energies += g.ff.diagonal();
+    energies += g.features.diagonal();
     own += g.zz.diagonal().head(m);
   }
   std::vector<int> kept;
@@ -142,8 +167,8 @@ BankProblem::BankProblem(const BankGrams& groups, bool with_features) {
       for (int c = 0; c < m; ++c) both(i, features + c) = both(features + c, i) = g.fz(kept[i], c);
       q(i, s) = g.fz(kept[i], m);
     }
-    both.bottomRightCorner(m, m) = g.zz.topLeftCorner(m, m);
-    q.col(s).tail(m) = g.zz.col(m).head(m);
+    both.bottomRightCorner(m, m) = g.zz.topLeftCorner(m, m).selfadjointView<Eigen::Lower>();
+    q.col(s).tail(m) = g.zz.row(m).head(m);
     q.col(s).array() *= scale.array();
     h.push_back(scale.asDiagonal() * both * scale.asDiagonal());
     energy[s] = g.zz(m, m);
@@ -166,13 +191,14 @@ double ScoreScatter(const std::vector<BankGrams>& banks) {
   for (const BankGrams& groups : banks) {
     double energy = 0, rows = 0;
     for (const GroupGram& g : groups) {
-      energy += g.zz(g.zz.cols() - 1, g.zz.cols() - 1);
+      const auto residual = g.zz.cols() - 1;
+      energy += g.zz(residual, residual);
       rows += g.rows;
     }
-    for (int f = 0; f < groups.front().ff.cols(); ++f) {
+    for (Eigen::Index f = 0; f < groups.front().feature_count(); ++f) {
       double scores = 0, features = 0;
       for (const GroupGram& g : groups) {
-        const double score = g.fz(f, g.fz.cols() - 1);
+        const double score = g.fz(f, g.zz.cols() - 1);
         scores += score * score;
         features += g.ff(f, f);
       }
@@ -182,32 +208,27 @@ double ScoreScatter(const std::vector<BankGrams>& banks) {
   return std::max(1.0, Median(ratios, 1.0));
 }
 
-/// Signs of the groups, one choice a column; in the first one all are as they are.
-Eigen::MatrixXd SignFlips(int flips, std::size_t groups) {
+/// In the first choice all are as they are.
+SignChoices SignFlips(int flips, std::size_t groups) {
   std::mt19937_64 random(kFlipSeed);
   Eigen::MatrixXd signs = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(groups), flips + 1);
   for (double& sign : signs.rightCols(flips).reshaped()) sign = (random() >> 63) != 0 ? 1.0 : -1.0;
-  return signs;
-}
-
-/// Of each choice of signs.
-Eigen::VectorXd Energies(const Eigen::MatrixXd& form, const Eigen::MatrixXd& signs) {
-  return signs.cwiseProduct(form * signs).colwise().sum();
+  return SignChoices(signs);
 }
 
 Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<FeatureBank>& named,
                      const PredictabilityOptions& options) {
   Predictability out;
   const std::size_t groups = banks.front().size();
-  const Eigen::MatrixXd signs = SignFlips(options.flips, groups);
+  const SignChoices signs = SignFlips(options.flips, groups);
   const Eigen::VectorXd plain =
-      Energies(BankProblem(banks.front(), false).HeldOut(std::array{0.0}).front(), signs);
+      signs.Energies(BankProblem(banks.front(), false).HeldOut(std::array{0.0}).front());
   Eigen::VectorXd best = Eigen::VectorXd::Zero(plain.size());
   for (std::size_t b = 0; b < banks.size(); ++b) {
     const BankProblem problem(banks[b], true);
     if (problem.features == 0) continue;
     for (const Eigen::MatrixXd& form : problem.HeldOut(kPenalties)) {
-      const Eigen::VectorXd share = 1.0 - Energies(form, signs).array() / plain.array();
+      const Eigen::VectorXd share = 1.0 - signs.Energies(form).array() / plain.array();
       if (share[0] > best[0]) out.about = named[b].about;
       best = best.cwiseMax(share);
     }
@@ -245,11 +266,11 @@ std::vector<Predictability> PredictabilityOf(const ModelStructure& model,
       const std::size_t group = grouping.Of(s, part, strokes[s].size());
       for (std::size_t f = 0; f < fits.size(); ++f) {
         if (used.regressors[f].size() == 0) continue;
-        const BlockColumns z{rows.model.means * used.regressors[f], rows.model.noise * used.regressors[f]};
-        if (!z.means.allFinite()) continue;
+        FitRows fit(rows.model, used.regressors[f]);
+        if (!fit.finite()) continue;
         for (std::size_t b = 0; b < rows.banks.size(); ++b)
           if (rows.banks[b].means.allFinite())
-            AddRows(rows.banks[b], z, window.level_form ? 0.0 : 1.0, grams[f][b][group]);
+            fit.AddTo(rows.banks[b], window.level_form ? 0.0 : 1.0, grams[f][b][group]);
       }
     }
   for (std::size_t f = 0; f < fits.size(); ++f) {

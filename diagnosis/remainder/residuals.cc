@@ -201,16 +201,22 @@ Eigen::VectorXd ErrorWeights(const ModelStructure& model, const ExtendedFit& fit
 
 namespace {
 
-/// The model with nothing in the columns that do not count, so that they cost nothing and a bad signal in
-/// them does no harm.
-std::shared_ptr<const ModelStructure> Weighted(const ModelStructure& model, const Eigen::VectorXd& weights) {
-  auto out = std::make_shared<ModelStructure>(model);
-  for (int c = model.output_column() + 1; c < model.column_count(); ++c)
-    if (weights[c] == 0.0)
-      out->columns[c].fill = [](const Stretch&, double&, std::span<double> values) {
-        std::fill(values.begin(), values.end(), 0.0);
-      };
-  return out;
+/// A model and its weights with the columns alone that count: others cost nothing, and a bad signal in them does no harm.
+struct Counting {
+  std::shared_ptr<const ModelStructure> model;
+  Eigen::VectorXd weights;
+};
+
+Counting ColumnsThatCount(const ModelStructure& model, const Eigen::VectorXd& weights) {
+  const auto out = std::make_shared<ModelStructure>(BaseOnly(model));
+  Eigen::VectorXd kept = weights.head(model.output_column() + 1);
+  for (int c = model.output_column() + 1; c < model.column_count(); ++c) {
+    if (weights[c] == 0.0) continue;
+    out->columns.push_back(model.columns[c]);
+    kept.conservativeResize(kept.size() + 1);
+    kept[kept.size() - 1] = weights[c];
+  }
+  return {out, kept};
 }
 
 bool IsFinite(const StrokeResiduals& stroke) {
@@ -224,7 +230,8 @@ Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<con
                       const WindowSamples& window, const Eigen::VectorXd& weights) {
   Residuals out;
   out.signals = SignalsOf(*model);
-  ResidualBuilder builder(Weighted(*model, weights), window, weights, out.signals);
+  const Counting counting = ColumnsThatCount(*model, weights);
+  ResidualBuilder builder(counting.model, window, counting.weights, out.signals);
   for (const StrokeStretches& stroke : strokes) {
     StrokeResiduals residuals = builder.Build(stroke);
     if (!IsFinite(residuals))
