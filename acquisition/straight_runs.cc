@@ -89,13 +89,17 @@ void StraightRuns::Judge(Channel& channel) {
 
 std::size_t StraightRuns::Flag(const std::vector<double>& values, Channel& channel,
                                std::vector<Quality>& flags) {
-  if (channel.fewest == 0) return 1;
+  if (channel.fewest == 0) {
+    channel.drawn = 0;
+    return 1;
+  }
   std::size_t run = channel.drawn;  // readings without a bend up to the one before row k
   double before = channel.last;
   for (std::size_t k = 1; k < values.size(); ++k) {
     const double at = values[k - 1], step = values[k] - at, bend = step - (at - before);
     run = std::abs(bend) <= channel.straight && step != 0 ? run + 1 : 0;
-    const std::size_t flagged = run == channel.fewest ? run : run > channel.fewest ? 1 : 0;
+    // Of a run that began in rows given out the first ones are flagged already.
+    const std::size_t flagged = run == channel.fewest ? std::min(run, k) : run > channel.fewest ? 1 : 0;
     for (std::size_t back = 1; back <= flagged; ++back) flags[k - back] |= quality::kInterpolated;
     before = at;
   }

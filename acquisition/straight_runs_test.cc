@@ -74,6 +74,18 @@ TEST(StraightRuns, FlagsThemWhereverABlockEnds) {
   for (const std::size_t rows : {1000u, 1001u, 571u, 40u}) EXPECT_EQ(Drawn(values, rows).size(), 22u) << rows;
 }
 
+/// Noise that is found to be less takes more readings without a bend to be drawn, also of a run whose first ones are given out.
+TEST(StraightRuns, FlagsARunThatMustGetLongerAsItGoesOn) {
+  constexpr double kResolution = 2e-6;
+  const std::vector<double> loud = Readings(0.02, kResolution), calm = Readings(2e-4, kResolution);
+  for (std::size_t from = 3990; from < 3998; ++from) {
+    std::vector<double> values(loud.begin(), loud.begin() + 4000);
+    values.insert(values.end(), calm.begin() + 4000, calm.end());
+    Draw(from, 4020, values, kResolution);
+    EXPECT_EQ(Drawn(values, 1000).size(), 4019 - from) << from;
+  }
+}
+
 TEST(StraightRuns, SeesThemThroughRounding) {
   constexpr double kResolution = 1e-3;
   std::vector<double> values = Readings(0.02, kResolution);

@@ -350,16 +350,19 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;
   scaled.evidence_scale = out.evidence_scale;
-  if (auto parted = ExplainOddStrokes(under(out.model), out, scaled, under)) return std::move(*parted);
-  if (options.floor_believable && IsFloorToBlame(out, options)) {
+  auto parted = ExplainOddStrokes(under(out.model), out, scaled, under);
+  if (parted && !parted->partial) return std::move(*parted);
+  if (!parted && options.floor_believable && IsFloorToBlame(out, options)) {
     Explanation without = ExplainWithoutFloor(model, strokes, window, options);
     if (without.verdict != Verdict::kUnknown) {
       TellOfFloor(without);
       return without;
     }
   }
-  if (auto changed = ExplainChange(under(out.model), out, scaled, under)) return std::move(*changed);
-  return out;
+  // A name in doubt, of strokes parted at will, gives way to one change that leaves no doubt.
+  auto changed = ExplainChange(under(out.model), out, scaled, under);
+  if (changed && (!parted || !changed->partial)) return std::move(*changed);
+  return parted ? std::move(*parted) : out;
 }
 
 /// What moves with time may as well follow the oil temperature, where the two rise together so evenly that a

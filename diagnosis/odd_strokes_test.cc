@@ -117,6 +117,26 @@ TEST(OddStrokes, AfterAChangeMayBeMost) {
   EXPECT_THAT(reads_high.odd_strokes.front().set, IsSupersetOf({"pressure_offset", "tank_pressure"}));
 }
 
+/// A sensor that reads higher from one stroke on is none whose zero moves, in all strokes but for some.
+TEST(OddStrokes, OneChangeTakesThePlaceOfANameInDoubt) {
+  for (const auto& [machine, seed, begin, size] :
+       {std::tuple{284, 87, 0.31, 3e5}, {14, 49, 0.6, 2e5}, {341, 90, 0.27, 8e5}, {69, 33, 0.55, 2e5}}) {
+    const PressOptions drawn = RandomMachine(machine);
+    PressOptions options;
+    options.machine = drawn.machine;
+    options.motion = drawn.motion;
+    options.seconds = 90;
+    options.seed = seed;
+    options.oil_start = 305.15;
+    options.oil_end = 317.15;
+    options.imperfections = {{"bad_stretch", size, {{"begin", begin}, {"length", 1}}, {}}};
+    const Explanation x = Explained(StrokesOfPress(options));
+    ASSERT_THAT(x.odd_strokes, Not(IsEmpty())) << machine;
+    EXPECT_THAT(x.odd_strokes.front().set, IsSupersetOf({"pressure_offset", "tank_pressure"})) << machine;
+    EXPECT_FALSE(x.partial) << machine;
+  }
+}
+
 TEST(OddStrokes, ABadStretchOfASensorSpoilsNoOtherStroke) {
   const SimulatedStrokes log = LogWith({{"bad_stretch", 10e5, {{"begin", 0.45}, {"length", 0.12}}, {}}});
   const Explanation x = Explained(log);

@@ -12,6 +12,7 @@ Result<FitResult> FitAndSuspect(LogStrokes strokes) {
   auto fit = TRY(FitFigures(strokes));
   const LogTrust trust = JudgeLog(strokes, fit.theta, fit.noise_floor);
   for (Told& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
+  suspicion.warnings.insert(suspicion.warnings.end(), strokes.swapped.begin(), strokes.swapped.end());
   return FitResult{std::move(strokes), std::move(fit), std::move(suspicion), trust};
 }
 

@@ -289,7 +289,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
   out.explanation = std::move(judged.explanation);
   out.trust = std::move(judged.trust);
-  if (!out.explanation.base.solved) return BadInput(WhyNotSolved(*model, out.log.Grams(), out.log.window));
+  if (!out.explanation.base.solved) return BadInput(WhyNotSolved(*model, out.log));
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
@@ -322,10 +322,11 @@ Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const st
   const auto machine = TRY(LoadMachine(machine_file));
   auto strokes = TRY(ReadStrokes(logs, machine, KeepSamples::kYes));
   auto out = ExplainStrokes(std::move(strokes), options);
-  if (!out)
+  if (!out && !out.error().text.starts_with(logs.front() + ": "))
     return tl::unexpected(Error{out.error().kind,
                                 fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text),
                                 out.error().german});
+  if (!out) return out;
   out->target = "--machine " + ShellWord(machine_file);
   return out;
 }

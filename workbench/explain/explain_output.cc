@@ -52,7 +52,8 @@ std::string ErrorSentence(const ExplainResult& result) {
   if (x.steps.size() > 1)
     text += fmt::format(" Extended, it errs by {} {}.", ShortNumber(x.final.rms_holdout * unit.factor),
                         unit.name);
-  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < kDrowns * result.base.noise_floor)
+  if (x.verdict != Verdict::kAdequate && x.no_verdict.empty() && !x.may_be_noise &&
+      x.base.rms_holdout < kDrowns * result.base.noise_floor)
     text += fmt::format(" In single values it drowns in the noise; summed over the {} it stands out.",
                         CountedWordsOf(result.log.machine).many);
   return text + "\n";

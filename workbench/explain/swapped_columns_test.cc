@@ -60,6 +60,16 @@ TEST_F(SwappedColumns, LeaveNoVerdict) {
   EXPECT_TRUE(swapped->explanation.set.empty());
 }
 
+/// What holds still in the place of a pressure leaves no fit, and no other strokes would change that.
+TEST_F(SwappedColumns, AreToldWhereTheyLeaveNoFit) {
+  PressOptions options;
+  options.seconds = 60;
+  Write(options);
+  const auto swapped = ExplainedWith(path_, machine_, "p_A", "p_B");
+  ASSERT_FALSE(swapped);
+  EXPECT_THAT(swapped.error().text, HasSubstr("the two columns are swapped in the machine file"));
+}
+
 /// A model takes up any scale of the pressure, so that only what comes out tells.
 TEST_F(SwappedColumns, AWrongScaleOfThePressureIsTold) {
   PressOptions options;

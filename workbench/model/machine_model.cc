@@ -92,8 +92,16 @@ GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strok
   return figures;
 }
 
+Told WhyNotSolved(const ModelStructure& model, const LogStrokes& log) {
+  return log.swapped.empty() ? WhyNotSolved(model, UsedGrams(log), log.window) : log.swapped.front();
+}
+
 Result<GramFit> FitFigures(const LogStrokes& log) {
-  if (log.machine.added_effects.empty()) return FitBaseModel(*log.model, UsedGrams(log), log.window);
+  if (log.machine.added_effects.empty()) {
+    auto fit = FitBaseModel(*log.model, UsedGrams(log), log.window);
+    if (!fit && !log.swapped.empty()) return BadInput(log.swapped.front());
+    return fit;
+  }
   auto model = TRY(FitMachineModel(log));
   return std::move(model.figures);
 }
@@ -127,7 +135,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
                           choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window),
                           log.window);
   out.fit = strokes.Fit(choices);
-  if (!out.fit.solved) return BadInput(WhyNotSolved(*structure, UsedGrams(log), log.window));
+  if (!out.fit.solved) return BadInput(WhyNotSolved(*structure, log));
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   strokes.Widen(choices, out.fit);

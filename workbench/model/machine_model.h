@@ -26,6 +26,9 @@ struct MachineModel {
 /// the parameters.
 Result<MachineModel> FitMachineModel(const LogStrokes& log);
 
+/// Why a model has no fit to a log: what its readings say of themselves comes before what the strokes lack.
+Told WhyNotSolved(const ModelStructure& model, const LogStrokes& log);
+
 /// MachineModel::figures of a log. Without added effects no samples need be kept: all strokes of the log count.
 Result<GramFit> FitFigures(const LogStrokes& log);
 
