@@ -183,8 +183,8 @@ TEST(ExplainStates, AStopIsNotNamedForASpringThatNoFreeRunFollows) {
 
 /// A cube is the nearest there is to soft stops on both sides.
 TEST(ExplainStates, ACubeIsNotNamedForStopsThatAreNotInTheFile) {
-  for (const double stop : {3e4, 1e5}) {
-    const StatesExplanation x = Explained(OscillatorLog({362, 34, 0, 0, 1, 0, 0, stop, 1.5}, 1500, 7));
+  for (const double stop : {1.5e4, 5e4}) {
+    const StatesExplanation x = Explained(OscillatorLog({362, 34, 0, 0, 1, 0, 0, stop, 3}, 1500, 7));
     EXPECT_EQ(x.verdict, Verdict::kUnknown) << stop;
     EXPECT_TRUE(x.set.empty()) << stop;
   }
