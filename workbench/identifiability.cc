@@ -13,7 +13,13 @@ constexpr double kMostStrokesAdvised = 2000;
 
 /// Half width of the interval of a parameter that is known well: of shares, and relative of all others.
 constexpr double kGoalOfShares = 0.01, kGoal = 0.10;
-double Goal(const Estimate& estimate) { return estimate.unit == "1" ? kGoalOfShares : kGoal; }
+
+/// Half width of the interval over that goal. Of a model with states a number without a unit is no share: it may be any size.
+double OverGoal(const Estimate& estimate, const Driving& d) {
+  const double half = kNormal95 * estimate.std;
+  return estimate.unit == "1" && !d.of_one_log ? half / kGoalOfShares
+                                               : half / std::abs(estimate.value) / kGoal;
+}
 
 /// A condition of the strokes that somebody can vary and nobody did; nullptr: none.
 const ConditionRange* Constant(const Driving& d) {
@@ -39,7 +45,7 @@ Told DriveBetter(const Driving& d) {
 
 /// Intervals shrink with the square root of the number of strokes.
 Told MoreStrokes(const Estimate& estimate, const Driving& d) {
-  const double ratio = HalfWidth(estimate) / Goal(estimate);
+  const double ratio = OverGoal(estimate, d);
   const double strokes = std::ceil(d.strokes * ratio * ratio / 10) * 10;
   if (!(strokes < kMostStrokesAdvised)) return DriveBetter(d);
   if (d.of_one_log)
@@ -96,7 +102,7 @@ std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimate
     if (estimate.reason != EstimateReason::kUpdated || driving.strokes < 2)
       p.verdict = Identifiability::kNot;
     else
-      p.verdict = HalfWidth(estimate) <= Goal(estimate) ? Identifiability::kGood : Identifiability::kWeak;
+      p.verdict = OverGoal(estimate, driving) <= 1 ? Identifiability::kGood : Identifiability::kWeak;
     GiveReason(p, driving);
     out.push_back(std::move(p));
   }

@@ -8,8 +8,8 @@
 
 namespace hydroscope {
 
-/// Verdict, reason and advice for every parameter of a batch fit. Good: known to 10 % (dimensionless: 0.01)
-/// with 95 % confidence.
+/// Verdict, reason and advice for every parameter of a batch fit. Good: known to 10 % (dimensionless: 0.01,
+/// but of models with states 10 % as well) with 95 % confidence.
 std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimates, const Driving& driving);
 
 /// The same when there is no fit: nothing is identifiable, `why`. `advice`: "" if driving the machine otherwise may help.

@@ -54,6 +54,13 @@ TEST(Identifiability, DimensionlessParametersAreJudgedByTheirAbsoluteWidth) {
   EXPECT_EQ(Judge(Known(0.0001, 0.02, "1"), Varied(20)).verdict, Identifiability::kWeak);
 }
 
+TEST(Identifiability, NumbersWithoutAUnitOfAModelWithStatesAreNoShares) {
+  Driving pieces = Varied(20);
+  pieces.of_one_log = true;
+  EXPECT_EQ(Judge(Known(350, 0.04, "1"), pieces).verdict, Identifiability::kGood);
+  EXPECT_EQ(Judge(Known(0.005, 0.0045, "1"), pieces).verdict, Identifiability::kWeak);
+}
+
 TEST(Identifiability, OneStrokeGivesNoInterval) {
   const CheckedParameter p = Judge(Known(1e9, 1e6), Varied(1));
   EXPECT_EQ(p.verdict, Identifiability::kNot);

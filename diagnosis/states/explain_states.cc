@@ -144,6 +144,16 @@ constexpr Wording kCoveredText = {
 constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
                                  "ein freier Lauf über ganze Episoden verliert sich"};
 
+/// What is found over whole episodes that no free run follows, where short runs tell no more, is not named if more of what it leaves
+/// than a complete explanation may is foreseen from row to row: its own run is lost as that of a right law would be.
+void UnlessLost(const ExplainStatesOptions& options, StatesExplanation& out) {
+  if (out.set.empty() || out.OfExplained(1 - OneStepShare(out.final.fit)) <= options.left_share) return;
+  out.LeaveUnknown(out.final.added);
+  out.warnings.push_back(Tell("{}: {} may stand in for another law. Drive the machine less hard",
+                              "{}: {} kann für ein anderes Gesetz stehen. Die Maschine weniger stark anregen",
+                              Told(kAstrayText), fmt::format("{}", fmt::join(out.nearest, ", "))));
+}
+
 /// A limit of the machine file that is in doubt (FindDoubtedLimit), unless the set found leaves clearly less than the machine
 /// without that limit.
 std::optional<DoubtedLimit> LimitInDoubt(const StatesExplanation& found, std::span<const Episode> episodes,
@@ -212,6 +222,7 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
                (!out.final.added.empty() && runs.Covered(out.final.fit, out.final_left))) {
       return WithReasonsOf(out, UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options));
     }
+    if (lost) UnlessLost(options, out);
   }
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);

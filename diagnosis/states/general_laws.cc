@@ -17,7 +17,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr const char* kKnee = "knee";  ///< of a hinge, in the spread of what it is of
+/// Of a hinge, and of two that lie evenly about the middle; in the spread of what they are of.
+constexpr const char *kKnee = "knee", *kReach = "reach";
 
 /// Rms of what a state changes by per second, of an output's variation.
 double EquationSize(const StateFit& rest, std::span<const Episode> episodes, const std::string& equation) {
@@ -40,9 +41,10 @@ double EquationSize(const StateFit& rest, std::span<const Episode> episodes, con
 /// A machine with effects of general shape in some of its equations.
 class GeneralLaws {
  public:
-  /// In each of the equations, and in all of them; `about`: the fit that variables and rates are scaled by.
+  /// In each of the equations, and in all of them; `about`: the fit that variables and rates are scaled by. `on_both_sides`: two
+  /// hinges, too. A dead band and what saturates are those with a parameter less, so they are for comparisons that need a margin.
   GeneralLaws(const Machine& machine, const std::vector<std::string>& equations, const StateFit& about,
-              std::span<const Episode> episodes);
+              std::span<const Episode> episodes, bool on_both_sides);
 
   const Machine& machine() const { return machine_; }
   const std::vector<GeneralLaw>& laws() const { return laws_; }
@@ -61,7 +63,7 @@ class GeneralLaws {
 };
 
 GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>& in, const StateFit& about,
-                         std::span<const Episode> episodes)
+                         std::span<const Episode> episodes, bool on_both_sides)
     : machine_(machine) {
   std::vector<Equation> equations;
   for (const std::string& name : in)
@@ -85,6 +87,7 @@ GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>&
     if (!(spread > 0)) continue;
     const std::string z = fmt::format("(({} - ({:.17g}))/{:.17g})", name, middle, spread);
     for (const auto& [shape, formula] : GeneralShapes(name)) {
+      if (!on_both_sides && shape.find(kReach) != std::string::npos) continue;
       const std::string term = fmt::format(fmt::runtime(shape), z);
       for (const Equation& equation : equations) Add({equation}, term, formula);
       if (equations.size() > 1) Add(equations, term, formula);
@@ -104,6 +107,7 @@ void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string&
     law.equations.push_back(equation.name);
   }
   if (term.find(kKnee) != std::string::npos) effect.parameters.push_back({kKnee, 0, -1, 1});
+  if (term.find(kReach) != std::string::npos) effect.parameters.push_back({kReach, 0.5, 0, 1.5});
   law.id = fmt::format("{} in {}", formula.english, fmt::join(law.equations, ", "));
   effect.id = law.id;
   machine_.user_effects.push_back(std::move(effect));
@@ -149,14 +153,18 @@ std::vector<GeneralShape> GeneralShapes(const std::string& of) {
       {"{0}*abs({0})", fmt::format("{0}*abs({0})", of)},
       {"tanh(10*{0})", Tell("a step in {}", "eine Stufe in {}", of)},
       {"max({0} - knee, 0)", Tell("what begins above some {}", "ein Anteil ab einem bestimmten {}", of)},
-      {"max(knee - {0}, 0)", Tell("what begins below some {}", "ein Anteil bis zu einem bestimmten {}", of)}};
+      {"max(knee - {0}, 0)", Tell("what begins below some {}", "ein Anteil bis zu einem bestimmten {}", of)},
+      {"(max({0} - reach, 0) + min({0} + reach, 0))",
+       Tell("what begins beyond some {} on both sides", "ein Anteil beiderseits ab einem bestimmten {}",
+            of)}};
 }
 
 std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect) {
   const StatesExplanation& out = found.out;
   const StateCandidate& rest = out.final.added.size() == 1 ? out.base : found.Without(effect);
   if (!rest.fitted()) return {};
-  const GeneralLaws general(found.machine, EquationsOf(found.machine, effect), rest.fit, found.episodes);
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, effect), rest.fit, found.episodes,
+                            out.final_left.structured);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
   std::vector<std::string> alone = found.machine.added_effects;
   alone.push_back(effect);
@@ -181,7 +189,7 @@ std::optional<LawBeside> FindLawBeside(FoundSets& found) {
     for (const std::string& equation : EquationsOf(found.machine, effect))
       if (!Contains(equations, equation)) equations.push_back(equation);
   std::optional<LawBeside> best;
-  const GeneralLaws general(found.machine, equations, set.fit, found.episodes);
+  const GeneralLaws general(found.machine, equations, set.fit, found.episodes, true);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
   for (const LawContender& beside : ContendersBeside(set, general, fits, found.options.laws_beside)) {
     const StateCandidate both = fits.Fitted(beside.contender);

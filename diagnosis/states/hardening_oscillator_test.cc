@@ -44,11 +44,12 @@ parameters = { q = { start = 0.01, min = 0, max = 1 } }
 )toml";
 
 struct Spring {
-  double w0, d;   ///< 1/s
-  double k3, k2;  ///< 1/s2
-  double grows;   ///< share of the last row's input that the first row's is
-  double k5 = 0;  ///< 1/s2
-  double q = 0;   ///< drag
+  double w0, d;              ///< 1/s
+  double k3, k2;             ///< 1/s2
+  double grows;              ///< share of the last row's input that the first row's is
+  double k5 = 0;             ///< 1/s2
+  double q = 0;              ///< drag
+  double stop = 0, gap = 0;  ///< 1/s2, beyond +-gap
 };
 
 /// Rows at 610 Hz under noise of the input to 150 Hz, sensor noise of 0.5 %.
@@ -69,7 +70,8 @@ Episode OscillatorLog(const Spring& spring, int rows, unsigned seed) {
   double x = 0, v = 0;
   const auto push = [&](double at, double speed, double u) {
     return spring.w0 * spring.w0 * (u - at) - spring.d * speed - spring.k3 * at * at * at -
-           spring.k2 * at * at - spring.k5 * std::pow(at, 5) - spring.q * speed * std::abs(speed);
+           spring.k2 * at * at - spring.k5 * std::pow(at, 5) - spring.q * speed * std::abs(speed) -
+           spring.stop * (at - std::clamp(at, -spring.gap, spring.gap));
   };
   for (int row = 0; row < rows; ++row) {
     episode.signal(row, 1) = x + 0.006 * normal(random);
@@ -139,7 +141,7 @@ TEST(ExplainStates, LawsOfGeneralShapeReadGermanInGermanSentences) {
     EXPECT_THAT(told.german, testing::Not(testing::ContainsRegex("what|some|step"))) << told.english;
     words += shape.formula.InGerman() != shape.formula.english;
   }
-  EXPECT_EQ(words, 3) << "the others are formulas";
+  EXPECT_EQ(words, 4) << "the others are formulas";
 }
 
 /// That a cube would do better than the stop.
@@ -170,6 +172,22 @@ TEST(ExplainStates, AStopBesideTheRightEffectIsNotNamedForASpringThatIsNotInTheF
   EXPECT_EQ(x.set, std::vector<std::string>{"drag"});
   EXPECT_EQ(x.nearest, std::vector<std::string>{"stop"});
   EXPECT_TRUE(ToldOfACube(x, "v"));
+}
+
+/// Nothing follows this spring for long, neither the stop nor, over 50 rows, anything else in the file.
+TEST(ExplainStates, AStopIsNotNamedForASpringThatNoFreeRunFollows) {
+  const StatesExplanation x = Explained(OscillatorLog({484, 54, 0, 0, 0.02, 1e5}, 2000, 8), WithStop());
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(x.set.empty());
+}
+
+/// A cube is the nearest there is to soft stops on both sides.
+TEST(ExplainStates, ACubeIsNotNamedForStopsThatAreNotInTheFile) {
+  for (const double stop : {1.5e4, 5e4}) {
+    const StatesExplanation x = Explained(OscillatorLog({362, 34, 0, 0, 1, 0, 0, stop, 3}, 1500, 7));
+    EXPECT_EQ(x.verdict, Verdict::kUnknown) << stop;
+    EXPECT_TRUE(x.set.empty()) << stop;
+  }
 }
 
 /// A cube is the nearest there is to a fifth power.

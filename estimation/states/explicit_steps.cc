@@ -77,7 +77,8 @@ bool StateSimulator::ExplicitStepOf(double fraction, double share, double period
   for (std::size_t i = 0; i < n; ++i) {
     double e = 0;
     for (std::size_t s = 0; s < kExplicitStages; ++s) e += kExplicitError[s] * k_[s * n + i];
-    const double size = std::max({scale_[i], std::abs(x_[i]), std::abs(end[i])});
+    const double size =
+        std::max({SizeOfState(scale_[i], k_[i], k_[n + i], period), std::abs(x_[i]), std::abs(end[i])});
     error = std::max(error, std::abs(step * e) / std::max(size, 1e-300));
     if (!std::isfinite(end[i]) || !std::isfinite(e)) return false;
     next_[i] = end[i];

@@ -149,6 +149,20 @@ Machine DelayedLag(const std::string& hold) {
                     "[parameters]\ndead = { start = 0.1, min = 0, max = 1 }\n");
 }
 
+TEST(StateSimulation, AnEmptyTankFillsWhenItsPumpBeginsToTurn) {
+  const Machine machine =
+      StatesFrom("[log]\nhold = \"linear\"\n" + kSignals +
+                 "[states]\nh = { ddt = \"0.05*u - k*sqrt(max(h, 0))\", min = 0 }\n[outputs]\ny = "
+                 "\"h\"\n[parameters]\nk = { start = 0.05, min = 0.005, max = 1 }\n");
+  Episode episode = Rows(200, 4, 0);
+  for (int row = 0; row < 200; ++row) episode.signal(row, 0) = 0.01 * std::min(row, 100);
+  RowMatrix slopes = RowMatrix::Zero(1, 2);
+  slopes(0, 1) = 1;
+  const StateRun run = RunOf(machine, episode, Eigen::VectorXd::Constant(1, 0.05), 0, &slopes);
+  ASSERT_FALSE(run.diverged) << "after " << run.rows << " rows";
+  EXPECT_NEAR(run.outputs(199, 0), 1, 0.02);  // (0.05 * 1 / 0.05)^2
+}
+
 TEST(StateSimulation, ADelayedStepArrivesBetweenTwoRowsWithItsExactDerivative) {
   Episode episode = Rows(60, 0.05, 0);
   for (int row = 10; row < 60; ++row) episode.signal(row, 0) = 1;

@@ -8,6 +8,7 @@
 
 #include "core/short_number.h"
 #include "diagnosis/experiment/rival_separation.h"
+#include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
@@ -104,12 +105,27 @@ nlohmann::json TriedJson(const StatesExplained& e, const TriedRecord& tried) {
   return out;
 }
 
+/// Of effects that explain a part, but are not named: records that show them where this one does not.
+std::vector<Told> TestsOfNearest(const StatesExplained& e) {
+  std::vector<Told> text;
+  if (e.explanation.verdict != Verdict::kUnknown) return text;
+  const std::vector<Effect> library = StateEffectsOf(e.log.machine);
+  for (const std::string& id : e.explanation.nearest)
+    if (const Effect* effect = FindStateEffect(library, id); effect != nullptr && !effect->shown_by.empty())
+      text.push_back(
+          Tell("To test {}, record {}.", "Um {} zu prüfen, aufzeichnen: {}.", id, effect->shown_by));
+  return text;
+}
+
 }  // namespace
 
 std::optional<Told> StatesToRecord(const StatesExplained& e) {
-  if (!e.experiment.rivals.empty()) return SeparationText(e);
-  if (!e.experiment.unseen.empty()) return UnseenParametersText(e);
-  return std::nullopt;
+  std::vector<Told> text = TestsOfNearest(e);
+  if (!e.experiment.rivals.empty())
+    text.push_back(SeparationText(e));
+  else if (!e.experiment.unseen.empty())
+    text.push_back(UnseenParametersText(e));
+  return text.empty() ? std::nullopt : std::optional(Joined(text, " "));
 }
 
 std::string RecordTable(const StatesExplained& e) {
