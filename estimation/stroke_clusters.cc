@@ -144,9 +144,11 @@ class GroupVariance {
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(scores.rows(), count);
     for (std::size_t s = 0; s < of_.size(); ++s) sums.col(of_[s]) += scores.col(s);
     const Eigen::VectorXd total = sums.rowwise().sum();
+    sums = (-sums).colwise() + total;
     Eigen::MatrixXd replicas(scores.rows(), count);
-    for (int g = 0; g < count; ++g) replicas.col(g) = without_[g] * (total - sums.col(g));
-    return JackknifeCovariance(replicas).diagonal();
+    for (int g = 0; g < count; ++g) replicas.col(g) = without_[g].lazyProduct(sums.col(g));
+    replicas.colwise() -= replicas.rowwise().mean().eval();
+    return (count - 1.0) / count * replicas.rowwise().squaredNorm();  // JackknifeCovariance's diagonal
   }
 
  private:
