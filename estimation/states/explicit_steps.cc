@@ -12,6 +12,14 @@
 #include "estimation/states/steps.h"
 
 namespace hydroscope {
+namespace {
+
+/// Share of a row: a shorter step of a state that never left 0 errs by no more than a share of what the state's rate comes to in a
+/// row. An empty tank whose pump begins to turn fills by a root from 0 on, whose error is the same share of the state however short
+/// the step.
+constexpr double kFromZero = 1e-6;
+
+}  // namespace
 
 void StateSimulator::Rate(const double* x, double fraction, double* rate) { RateOf<0>(x, fraction, rate); }
 
@@ -77,8 +85,9 @@ bool StateSimulator::ExplicitStepOf(double fraction, double share, double period
   for (std::size_t i = 0; i < n; ++i) {
     double e = 0;
     for (std::size_t s = 0; s < kExplicitStages; ++s) e += kExplicitError[s] * k_[s * n + i];
-    const double size =
-        std::max({SizeOfState(scale_[i], k_[i], k_[n + i], period), std::abs(x_[i]), std::abs(end[i])});
+    double size = std::max({scale_[i], std::abs(x_[i]), std::abs(end[i])});
+    if (scale_[i] == 0 && share < kFromZero)
+      size = std::max(size, period * std::abs(k_[i] != 0 ? k_[i] : k_[n + i]));
     error = std::max(error, std::abs(step * e) / std::max(size, 1e-300));
     if (!std::isfinite(end[i]) || !std::isfinite(e)) return false;
     next_[i] = end[i];

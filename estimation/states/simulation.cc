@@ -214,8 +214,6 @@ bool StateSimulator::Interval(double period) {
       continue;
     }
     x_.swap(next_);
-    for (std::size_t i = 0; i < scale_.size() && !stiff_; ++i)
-      scale_[i] = SizeOfState(scale_[i], k_[i], k_[scale_.size() + i], period);
     begun_ = !(limited_ && Clamp()) && !stiff_;
     if (begun_) KeepLastStage();
     for (int i = 0; i < states_; ++i) {
