@@ -23,7 +23,7 @@ scripts/build.sh sanitize "${folders[@]/%/_test}"
 export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:MissingDynamics.Noise*:MissingLimit.A*:ParameterDrift.*\
 :ExplainStates.ACube*:ExplainStates.AStop*:ExplainStates.CallsA*:ExplainStates.Names*:ExplainStates.FindsNothing*\
 :ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*\
-:OddStrokes.Another*
+:OddStrokes.Another*:OddStrokes.OneChange*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
 test_folder() {
   local output
