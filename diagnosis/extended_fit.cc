@@ -27,9 +27,13 @@ Eigen::MatrixXd Congruence(const SymmetricMatrix& gram, const SparseColumns& col
   Eigen::MatrixXd out(size, size);
   for (int j = 0; j < size; ++j)
     for (int i = 0; i <= j; ++i) {
+      const auto &left = columns[i], &right = columns[j];
       double sum = 0;
-      for (const auto& [a, wa] : columns[i])
-        for (const auto& [b, wb] : columns[j]) sum += wa * wb * gram(a, b);
+      if (left.size() == 1 && right.size() == 1)  // as most are, in half the time
+        sum = left[0].second * right[0].second * gram(left[0].first, right[0].first);
+      else
+        for (const auto& [a, wa] : left)
+          for (const auto& [b, wb] : right) sum += wa * wb * gram(a, b);
       out(i, j) = out(j, i) = sum;
     }
   return out;
@@ -371,8 +375,12 @@ void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) c
 void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
                       ExtendedFit& fit) const {
   const int n = static_cast<int>(fit.theta.size());
+  std::vector<NormalEquations> equations;
   NormalEquations total;
-  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.of->equations());
+  for (const Reduced& s : strokes) {
+    equations.push_back(AsEquations(s.clean, s.of->equations()));
+    total += equations.back();
+  }
   JudgeFlows(strokes, fit);
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
@@ -388,7 +396,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const std::vector<int> walk = model_->WalkingParameters(added);
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     NormalEquations rest = total;
-    rest -= AsEquations(strokes[s].clean, strokes[s].of->equations());
+    rest -= equations[s];
     Eigen::VectorXd theta = SolveNormalEquations(rest);
     const bool indispensable = theta.size() == 0;  // not judged: no model without it
     if (indispensable) {

@@ -23,10 +23,9 @@ constexpr double kLeastEnergy = 1e-12;   ///< of a feature over the largest of i
 /// Sums of products of one group: features f; z are regressors of the model and at last the residual, whose products with all others
 /// are without noise.
 struct GroupGram {
-  Eigen::MatrixXd
-      features;  ///< of AddColumnProducts: a column each; rows are features (on and below the diagonal), then z
-  Eigen::MatrixXd zz;  ///< on and below the diagonal
-  double rows = 0;     ///< equations
+  Eigen::MatrixXd features;  ///< a column each; rows are features, on and below the diagonal, then z
+  Eigen::MatrixXd zz;        ///< on and below the diagonal
+  double rows = 0;           ///< equations
 
   Eigen::Index feature_count() const { return features.cols(); }
   double ff(Eigen::Index i, Eigen::Index j) const { return features(std::max(i, j), std::min(i, j)); }
