@@ -33,10 +33,9 @@ class RepeatedRows {
 
   std::vector<Channel> channels_;
   std::vector<std::uint64_t> hashes_;  ///< of the last rows
-  std::vector<std::uint32_t>
-      latest_;                 ///< last bits of the row by the last ones of its hash; that of no row: 0
-  std::int64_t row_ = 0;       ///< of the log
-  std::int64_t distance_ = 0;  ///< rows back to those that are repeated; 0: none are
+  std::vector<std::uint32_t> latest_;  ///< last bits of a row by the last ones of its hash; of none: 0
+  std::int64_t row_ = 0;               ///< of the log
+  std::int64_t distance_ = 0;          ///< rows back to those that are repeated; 0: none are
   std::int64_t copies_ = 0;
   std::int64_t same_ = 0;  ///< rows in a row that were the same at that distance
   SampleBlock held_;

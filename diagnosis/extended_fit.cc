@@ -29,7 +29,7 @@ Eigen::MatrixXd Congruence(const SymmetricMatrix& gram, const SparseColumns& col
     for (int i = 0; i <= j; ++i) {
       const auto &left = columns[i], &right = columns[j];
       double sum = 0;
-      if (left.size() == 1 && right.size() == 1)  // as most are, in half the time
+      if (left.size() == 1 && right.size() == 1)  // as most are
         sum = left[0].second * right[0].second * gram(left[0].first, right[0].first);
       else
         for (const auto& [a, wa] : left)

@@ -75,6 +75,17 @@ void AddColumnProducts(const double* packed, int count, Eigen::MatrixXd& lower) 
   add_products(packed, static_cast<int>(lower.rows()), count, static_cast<int>(lower.cols()), lower.data());
 }
 
+void AddColumnProducts(const Eigen::MatrixXd& own, const Eigen::MatrixXd& known, int count,
+                       Eigen::MatrixXd& packed, Eigen::MatrixXd& lower) {
+  if (packed.rows() != lower.rows() || packed.cols() < count) packed.resize(lower.rows(), count);
+  for (int k = 0; k < count; ++k) {
+    double* place = std::copy_n(own.col(k).data(), own.rows(), packed.col(k).data());
+    if (known.rows() > 0) place = std::copy_n(known.col(k).data(), known.rows(), place);
+    std::fill(place, packed.col(k).data() + packed.rows(), 0.0);
+  }
+  AddColumnProducts(packed.data(), count, lower);
+}
+
 Eigen::MatrixXd ColumnProducts(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& rows) {
   constexpr Eigen::Index kTogether = 64;  // rows that stay in the cache
   const auto columns = static_cast<int>(rows.cols());

@@ -22,28 +22,16 @@ SymmetricMatrix Pack(const SymmetricMatrix& known, const Eigen::MatrixXd& lower)
 }  // namespace
 
 StrokeAccumulator::StrokeAccumulator(int known, int columns)
-    : known_(known),
-      integral_(Eigen::MatrixXd::Zero(PaddedColumns(known + columns), columns)),
+    : integral_(Eigen::MatrixXd::Zero(PaddedColumns(known + columns), columns)),
       noise_(integral_),
       flow_(integral_) {}
 
-/// `lower` has, for whole vectors, PaddedColumns() rows; so has `packed_`, whose padding stays zero.
-void StrokeAccumulator::AddOuter(const Eigen::MatrixXd& known, const Eigen::MatrixXd& own, int count,
-                                 Eigen::MatrixXd& lower) {
-  if (packed_.cols() < count) packed_.setZero(lower.rows(), count);
-  for (int k = 0; k < count; ++k) {  // several times quicker than blocks of Eigen, which begin unaligned
-    std::copy_n(own.col(k).data(), lower.cols(), packed_.col(k).data());
-    if (known_ > 0) std::copy_n(known.col(k).data(), known_, packed_.col(k).data() + lower.cols());
-  }
-  AddColumnProducts(packed_.data(), count, lower);
-}
-
 void StrokeAccumulator::Add(const SpanEquations& known, const SpanEquations& span) {
-  AddOuter(known.integral, span.integral, span.equations, integral_);
-  AddOuter(known.noise, span.noise, span.blocks, noise_);
-  AddOuter(known.walk, span.walk, static_cast<int>(span.walk.cols()), noise_);
+  AddColumnProducts(span.integral, known.integral, span.equations, packed_, integral_);
+  AddColumnProducts(span.noise, known.noise, span.blocks, packed_, noise_);
+  AddColumnProducts(span.walk, known.walk, static_cast<int>(span.walk.cols()), packed_, noise_);
   const int windows = static_cast<int>(span.flow_time.size());
-  AddOuter(known.flow, span.flow, windows, flow_);
+  AddColumnProducts(span.flow, known.flow, windows, packed_, flow_);
   blocks_ += span.blocks;
   spans_ += span.blocks - span.equations;
   windows_ += windows;

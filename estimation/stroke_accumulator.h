@@ -23,9 +23,6 @@ class StrokeAccumulator {
   StrokeGram Take(const StrokeGram& known);
 
  private:
-  void AddOuter(const Eigen::MatrixXd& known, const Eigen::MatrixXd& own, int count, Eigen::MatrixXd& lower);
-
-  int known_;
   /// A column for each own one; rows are its products with the own ones, from itself on, and then with those known.
   Eigen::MatrixXd integral_, noise_, flow_;
   Eigen::MatrixXd packed_;  ///< equations being added

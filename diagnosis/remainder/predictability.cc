@@ -96,9 +96,7 @@ class FitRows {
       : z_{regressors.transpose() * model.means, regressors.transpose() * model.noise} {
     const auto residual = z_.means.rows() - 1;
     zz_.setZero(PaddedColumns(static_cast<int>(z_.means.rows())), z_.means.rows());
-    packed_.setZero(zz_.rows(), z_.means.cols());
-    packed_.topRows(z_.means.rows()) = z_.means;
-    AddColumnProducts(packed_.data(), static_cast<int>(packed_.cols()), zz_);
+    AddColumnProducts(z_.means, {}, static_cast<int>(z_.means.cols()), packed_, zz_);
     zz_.row(residual).head(residual).noalias() -=
         z_.noise.row(residual) * z_.noise.topRows(residual).transpose();
   }
@@ -107,21 +105,16 @@ class FitRows {
   /// `lost`: rows that centring takes. White sensor noise that features and regressors share with the residual is no law: it is
   /// taken out of their products with it.
   void AddTo(const BlockColumns& bank, double lost, GroupGram& sum) {
-    const auto f = bank.means.rows(), m = z_.means.rows(), blocks = bank.means.cols();
+    const auto f = bank.means.rows(), m = z_.means.rows();
+    const auto blocks = static_cast<int>(bank.means.cols());
     if (sum.zz.size() == 0) {
       sum.features.setZero(PaddedColumns(static_cast<int>(f + m)), f);
       sum.zz.setZero(zz_.rows(), m);
     }
-    packed_.resize(sum.features.rows(), blocks);
-    for (Eigen::Index b = 0; b < blocks; ++b) {
-      double* const column = packed_.col(b).data();
-      std::copy_n(z_.means.col(b).data(), m, std::copy_n(bank.means.col(b).data(), f, column));
-      std::fill(column + f + m, column + packed_.rows(), 0.0);
-    }
-    AddColumnProducts(packed_.data(), static_cast<int>(blocks), sum.features);
+    AddColumnProducts(bank.means, z_.means, blocks, packed_, sum.features);
     sum.features.row(f + m - 1).noalias() -= z_.noise.row(m - 1) * bank.noise.transpose();
     sum.zz += zz_;
-    sum.rows += static_cast<double>(blocks) - lost;
+    sum.rows += blocks - lost;
   }
 
  private:

@@ -14,9 +14,8 @@
 namespace hydroscope {
 namespace {
 
-/// Share of a row: a shorter step of a state that never left 0 errs by no more than a share of what the state's rate comes to in a
-/// row. An empty tank whose pump begins to turn fills by a root from 0 on, whose error is the same share of the state however short
-/// the step.
+/// Share of a row: what a shorter step errs by in a state that never left 0 is compared with what its rate comes to in a row. An
+/// empty tank whose pump begins to turn fills by a root from 0 on: however short the step, it errs by the same share of the state.
 constexpr double kFromZero = 1e-6;
 
 }  // namespace
