@@ -203,8 +203,7 @@ bool EffectRanking::IsTwin(const Contender& candidate, const Contender& best) co
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {
-  return e.admissible &&
-         std::abs(e.size) > options_.second_t * e.std / StudentFactor(strokes_.strokes() - 1.0);
+  return e.admissible && std::abs(e.size) > options_.second_t * e.std / strokes_.student();
 }
 
 CandidateModel EffectRanking::With(const CandidateModel& on, const EffectChoice& choice) const {
@@ -250,7 +249,7 @@ void EffectRanking::TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int 
   const bool lawful = (size.consistent || !tried.refined) && !IsRefuted(size);
   if (ranked.fit.solved && (lawful == ranked.lawful ? gain <= ranked.gain : ranked.lawful)) return;
   const double degrees = strokes_.strokes() - 1.0;
-  const double t = size.size / (size.std / StudentFactor(degrees));
+  const double t = size.size / (size.std / strokes_.student());
   ranked.gain = gain;
   ranked.p_value = TwoSidedP(t, degrees);
   ranked.lawful = lawful;
@@ -350,7 +349,7 @@ std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) c
 }
 
 double EffectRanking::DesignEffect(const CandidateModel& on) const {
-  const double student = StudentFactor(strokes_.strokes() - 1.0);
+  const double student = strokes_.student();
   std::vector<double> effects;
   for (const auto& ranking : {Rank(on), RankGeneric(on)})
     for (const RankedEffect& law : ranking) {

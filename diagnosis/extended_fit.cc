@@ -13,8 +13,6 @@
 namespace hydroscope {
 namespace {
 
-using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
-
 constexpr int kRelinearisations = 6;
 /// Relative, from one linearisation to the next: far inside any interval.
 constexpr double kParametersSettled = 1e-4;
@@ -78,21 +76,13 @@ EffectEstimate SizeOf(const ModelStructure& model, const EffectChoice& choice, c
   return estimate;
 }
 
-/// Sizes of output, model and difference in the flow form; `strokes` are of StrokeSet::Reduced.
-template <typename Strokes>
-void JudgeFlows(const Strokes& strokes, ExtendedFit& fit) {
-  const auto n = fit.theta.size();
-  double measured = 0, modelled = 0, common = 0, windows = 0;
-  for (const auto& s : strokes) {
-    measured += s.flow(n, n);
-    common += fit.theta.dot(s.flow.col(n).head(n));
-    modelled += fit.theta.dot(s.flow.topLeftCorner(n, n) * fit.theta);
-    windows += s.of->windows;
-  }
+/// Sizes of output, model and difference in the flow form, of `windows` whose augmented products sum to `flow`.
+void JudgeFlows(const Eigen::MatrixXd& flow, double windows, ExtendedFit& fit) {
   if (windows <= 0) return;
-  fit.rms_measured = std::sqrt(measured / windows);
-  fit.rms_modelled = std::sqrt(NonNegative(modelled / windows));
-  fit.rms_residual = std::sqrt(NonNegative((measured - 2 * common + modelled) / windows));
+  const auto n = fit.theta.size();
+  fit.rms_measured = std::sqrt(flow(n, n) / windows);
+  fit.rms_modelled = std::sqrt(NonNegative(fit.theta.dot(flow.topLeftCorner(n, n) * fit.theta) / windows));
+  fit.rms_residual = std::sqrt(NonNegative(Energy(flow, fit.theta) / windows));
 }
 
 }  // namespace
@@ -138,13 +128,6 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
   return full;
 }
 
-/// Augmented matrices: regressors first, output last.
-struct StrokeSet::Reduced {
-  Eigen::MatrixXd clean, noise, flow;
-  const Stroke* of = nullptr;
-  std::size_t stroke = 0;
-};
-
 void StrokeSet::Stroke::TakeOut(int column) {
   for (SymmetricMatrix* matrix : {&clean, &noise, &flow})
     for (int other = 0; other < matrix->dimension(); ++other) (*matrix)(column, other) = 0;
@@ -174,15 +157,25 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::vector<St
   }
 }
 
-const SymmetricMatrix& StrokeSet::CleanTotal() const {
-  std::call_once(total_->summed, [&] {
-    total_->clean = SymmetricMatrix(model_->column_count());
-    for (const auto& stroke : strokes_) total_->clean += stroke->clean;
-  });
-  return total_->clean;
+StrokeSet::Formed::Formed(std::span<const std::shared_ptr<const Stroke>> strokes)
+    : student(StudentFactor(static_cast<double>(strokes.size()) - 1)) {
+  for (const auto& stroke : strokes) {
+    if (total.dimension() == 0)
+      total = stroke->clean;
+    else
+      total += stroke->clean;
+    clean.Add(stroke->clean);
+    noise.Add(stroke->noise);
+    flow.Add(stroke->flow);
+  }
 }
 
-Eigen::MatrixXd StrokeSet::Total() const { return Unpacked(CleanTotal()); }
+StrokeSet::Formed& StrokeSet::OfAll() const {
+  std::call_once(lazily_->formed, [&] { lazily_->of_all = std::make_unique<Formed>(strokes_); });
+  return *lazily_->of_all;
+}
+
+Eigen::MatrixXd StrokeSet::Total() const { return Unpacked(OfAll().total); }
 
 std::vector<Eigen::MatrixXd> StrokeSet::TotalOfEach() const {
   std::vector<Eigen::MatrixXd> totals;
@@ -231,7 +224,7 @@ std::optional<StrokeSet> StrokeSet::Comparable() const {
 StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
                                    std::span<const EffectChoice> everywhere) const {
   StrokeSet out = *this;
-  out.total_ = std::make_shared<LazyTotal>();
+  out.lazily_ = std::make_shared<Lazily>();
   std::vector<bool> kept(static_cast<std::size_t>(model_->column_count()), false);
   std::fill_n(kept.begin(), model_->output_column() + 1, true);
   for (const EffectChoice& choice : everywhere)
@@ -311,17 +304,6 @@ SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices,
   return columns;
 }
 
-std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns,
-                                                  std::span<const std::size_t> strokes) const {
-  std::vector<Reduced> out;
-  for (std::size_t s : strokes) {
-    const Stroke& stroke = *strokes_[s];
-    out.push_back({Congruence(stroke.clean, columns), Congruence(stroke.noise, columns),
-                   Congruence(stroke.flow, columns), &stroke, s});
-  }
-  return out;
-}
-
 ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   ExtendedFit fit;
   const std::vector<std::size_t> usable = Usable(choices);
@@ -329,7 +311,7 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   SparseColumns columns = Composite({}, Eigen::VectorXd::Zero(model_->base_count));
   const auto solve = [&] {
     if (usable.size() == strokes_.size())
-      return SolveNormalEquations(AsEquations(Congruence(CleanTotal(), columns), equations_));
+      return SolveNormalEquations(AsEquations(Congruence(OfAll().total, columns), equations_));
     NormalEquations total;
     for (const std::size_t s : usable)
       total += AsEquations(Congruence(strokes_[s]->clean, columns), Equations(s));
@@ -348,19 +330,20 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
     if (settled) break;
   }
   fit.solved = true;
-  Judge(Reduce(columns, usable), choices, fit);
+  Judge(columns, usable, choices, fit);
   return fit;
 }
 
 void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) const {
   if (!fit.solved) return;
-  const std::vector<Reduced> reduced = Reduce(Composite(choices, fit.theta), Usable(choices));
+  const SparseColumns columns = Composite(choices, fit.theta);
   std::vector<NormalEquations> equations;
   std::vector<StrokeOperation> operations;
-  for (const Reduced& s : reduced) {
-    equations.push_back(AsEquations(s.clean, s.of->equations()));
-    const Eigen::VectorXd square = s.flow.diagonal().head(fit.theta.size());
-    operations.push_back({s.of->log, (square / std::max(1.0, s.of->windows)).cwiseSqrt()});
+  for (const std::size_t s : Usable(choices)) {
+    const Stroke& stroke = *strokes_[s];
+    equations.push_back(AsEquations(Congruence(stroke.clean, columns), stroke.equations()));
+    const Eigen::VectorXd square = Congruence(stroke.flow, columns).diagonal().head(fit.theta.size());
+    operations.push_back({stroke.log, (square / std::max(1.0, stroke.windows)).cwiseSqrt()});
   }
   fit.clusters = FindStrokeClusters(equations, operations, fit.theta);
   const Eigen::MatrixXd plain =
@@ -372,50 +355,45 @@ void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) c
   ScaleScatter(fit.widening, fit);
 }
 
-void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
-                      ExtendedFit& fit) const {
-  const int n = static_cast<int>(fit.theta.size());
-  std::vector<NormalEquations> equations;
-  NormalEquations total;
-  for (const Reduced& s : strokes) {
-    equations.push_back(AsEquations(s.clean, s.of->equations()));
-    total += equations.back();
+void StrokeSet::Judge(const SparseColumns& columns, std::span<const std::size_t> strokes,
+                      std::span<const EffectChoice> choices, ExtendedFit& fit) const {
+  Formed& of_all = OfAll();
+  const StrokeForms clean = of_all.clean.Congruence(columns), flow = of_all.flow.Congruence(columns);
+  const Eigen::MatrixXd total_flow = flow.Sum(strokes), total_clean = clean.Sum(strokes),
+                        total_noise = of_all.noise.Congruence(columns).Sum(strokes);
+  NormalEquations total = AsEquations(total_clean, 0);
+  double all_windows = 0;
+  NoiseFloorSum floor(window_);
+  for (const std::size_t s : strokes) {
+    total.equations += Equations(s);
+    all_windows += strokes_[s]->windows;
+    floor.AddStroke(strokes_[s]->blocks, strokes_[s]->spans);
   }
-  JudgeFlows(strokes, fit);
+  std::vector<int> added;
+  for (const EffectChoice& choice : choices) added.push_back(choice.effect);
+  floor.AddNoise(total_noise, fit.theta, model_->WalkingParameters(added));
+  JudgeFlows(total_flow, all_windows, fit);
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
-  Eigen::MatrixXd replicas(n, strokes.size());
+  const LeftOutStrokes left_out = LeaveOutEach(clean, flow, total_clean, fit.theta, strokes);
   fit.excess.setConstant(static_cast<Eigen::Index>(strokes_.size()),
                          std::numeric_limits<double>::quiet_NaN());
   fit.flow_error = fit.excess;
-  double excess = 0;
-  double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
-  NoiseFloorSum floor(window_);
-  std::vector<int> added;
-  for (const EffectChoice& choice : choices) added.push_back(choice.effect);
-  const std::vector<int> walk = model_->WalkingParameters(added);
-  for (std::size_t s = 0; s < strokes.size(); ++s) {
-    NormalEquations rest = total;
-    rest -= equations[s];
-    Eigen::VectorXd theta = SolveNormalEquations(rest);
-    const bool indispensable = theta.size() == 0;  // not judged: no model without it
-    if (indispensable) {
+  double excess = 0, flow_error = 0, windows = 0;
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k), stroke = static_cast<Eigen::Index>(strokes[k]);
+    fit.excess[stroke] = left_out.error[at];
+    fit.flow_error[stroke] = left_out.flow_error[at];
+    excess += left_out.error[at];
+    if (left_out.indispensable[k]) {  // not judged: no model without it
       ++fit.indispensable_strokes;
-      theta = fit.theta;
+      continue;
     }
-    replicas.col(s) = theta;
-    const double error = Energy(strokes[s].clean, theta);
-    fit.excess[static_cast<Eigen::Index>(strokes[s].stroke)] = error;
-    excess += error;
-    fit_excess += Energy(strokes[s].clean, fit.theta);
-    noise += Energy(strokes[s].noise, fit.theta);
-    floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].of->blocks, strokes[s].of->spans);
-    const double flow = Energy(strokes[s].flow, theta);
-    fit.flow_error[static_cast<Eigen::Index>(strokes[s].stroke)] = flow;
-    if (indispensable) continue;
-    flow_error += flow;
-    windows += strokes[s].of->windows;
+    flow_error += left_out.flow_error[at];
+    windows += strokes_[strokes[k]]->windows;
   }
+  const double fit_excess = Energy(total_clean, fit.theta);
+  double noise = Energy(total_noise, fit.theta);
   // Of the error, the noise shares were taken out already; the rest of the noise is still in it.
   const double further_noise = (noise_scale_ - 1) * noise;
   noise *= noise_scale_;
@@ -428,8 +406,10 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   fit.noise_floor =
       noise_scale_ == 1.0 ? floor.Rms() : fit.rms_holdout / std::sqrt(1 + std::max(0.0, fit.excess_ratio));
 
-  fit.covariance = JackknifeCovariance(replicas);
-  const double student = StudentFactor(static_cast<double>(strokes.size()) - 1);
+  fit.covariance = JackknifeCovariance(left_out.theta);
+  const double student = strokes.size() == strokes_.size()
+                             ? of_all.student
+                             : StudentFactor(static_cast<double>(strokes.size()) - 1);
   const Eigen::VectorXd scale = total.h.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * Inverse(scale.asDiagonal() * total.h * scale.asDiagonal()) * scale.asDiagonal();

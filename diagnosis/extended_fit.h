@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/records/stroke_gram.h"
+#include "diagnosis/stroke_forms.h"
 #include "estimation/gram_fit.h"
 #include "estimation/span_equations.h"
 #include "models/effect.h"
@@ -103,7 +104,8 @@ class StrokeSet {
   double OutputEnergy() const;
   int strokes() const { return static_cast<int>(strokes_.size()); }
   double equations() const { return equations_; }
-  double period() const { return window_.period; }  ///< s between rows
+  double student() const { return OfAll().student; }  ///< StudentFactor of a scatter over all strokes
+  double period() const { return window_.period; }    ///< s between rows
   double Equations(std::size_t stroke) const { return strokes_[stroke]->equations(); }
   /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;
@@ -134,25 +136,27 @@ class StrokeSet {
     double equations() const { return static_cast<double>(blocks - spans); }
     void TakeOut(int column);
   };
-  struct Reduced;  ///< normal equations of one stroke over base + composite columns
-  std::vector<std::vector<std::pair<int, double>>> Composite(std::span<const EffectChoice> choices,
-                                                             const Eigen::VectorXd& theta) const;
-  std::vector<Reduced> Reduce(const std::vector<std::vector<std::pair<int, double>>>& columns,
-                              std::span<const std::size_t> strokes) const;
-  void Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
-             ExtendedFit& fit) const;
+  SparseColumns Composite(std::span<const EffectChoice> choices, const Eigen::VectorXd& theta) const;
+  void Judge(const SparseColumns& columns, std::span<const std::size_t> strokes,
+             std::span<const EffectChoice> choices, ExtendedFit& fit) const;
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
-  /// Summed when it is first asked for.
-  struct LazyTotal {
-    std::once_flag summed;
-    SymmetricMatrix clean;
+  /// What is formed of all strokes when it is first asked for.
+  struct Formed {
+    explicit Formed(std::span<const std::shared_ptr<const Stroke>> strokes);
+    SymmetricMatrix total;  ///< of `clean`
+    GramElements clean, noise, flow;
+    double student;
   };
-  const SymmetricMatrix& CleanTotal() const;  ///< of all strokes
+  Formed& OfAll() const;
+  struct Lazily {
+    std::once_flag formed;
+    std::unique_ptr<Formed> of_all;
+  };
 
   std::vector<std::shared_ptr<const Stroke>> strokes_;  ///< shared by the sets that hold them
-  std::shared_ptr<LazyTotal> total_ = std::make_shared<LazyTotal>();
+  std::shared_ptr<Lazily> lazily_ = std::make_shared<Lazily>();
   double noise_scale_ = 1.0;
   double equations_ = 0;
 };

@@ -236,7 +236,7 @@ class Subsets {
 
   /// The added effects have sizes beyond `t` standard errors by strokes.
   bool AreSeen(const ExtendedFit& fit, double t) const {
-    const double student = StudentFactor(strokes_.strokes() - 1.0);
+    const double student = strokes_.student();
     return std::all_of(fit.effects.begin() + static_cast<std::ptrdiff_t>(start_.choices.size()),
                        fit.effects.end(),
                        [&](const EffectEstimate& e) { return std::abs(e.size) > t * e.std / student; });

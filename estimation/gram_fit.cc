@@ -214,8 +214,13 @@ std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, con
   return own;
 }
 
-void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
-                        std::int64_t blocks, std::int64_t spans) {
+void NoiseFloorSum::AddStroke(std::int64_t blocks, std::int64_t spans) {
+  equations_ += static_cast<double>(blocks - spans);
+  walk_gain_ += WalkGain(blocks, window_.span);
+}
+
+void NoiseFloorSum::AddNoise(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta,
+                             std::span<const int> walk) {
   const auto n = theta.size();
   Eigen::VectorXd residual(n + 1);
   residual << theta, -1.0;
@@ -224,8 +229,6 @@ void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& the
     for (const int j : walk) walking += residual[i] * noise(i, j) * residual[j];
   white_ += residual.dot(noise * residual) - walking;
   walk_ += walking;
-  equations_ += static_cast<double>(blocks - spans);
-  walk_gain_ += WalkGain(blocks, window_.span);
 }
 
 double NoiseFloorSum::Rms() const {
@@ -237,8 +240,10 @@ double NoiseFloorSum::Rms() const {
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
                   const Eigen::VectorXd& theta, const WindowSamples& window, std::span<const int> walk) {
   NoiseFloorSum sum(window);
-  for (const StrokeGram& gram : strokes)
-    sum.Add(NoiseShare(gram, columns, output), theta, walk, gram.blocks, gram.spans);
+  for (const StrokeGram& gram : strokes) {
+    sum.AddStroke(gram.blocks, gram.spans);
+    sum.AddNoise(NoiseShare(gram, columns, output), theta, walk);
+  }
   return sum.Rms();
 }
 

@@ -70,11 +70,10 @@ class NoiseFloorSum {
  public:
   explicit NoiseFloorSum(const WindowSamples& window) : window_(window) {}
 
-  /// `noise`: share of a stroke's integral form that is noise, regressors first, output last; `theta` goes
-  /// with the regressors, `walk` are the entries of it whose noise is integrated, theta.size() being the
-  /// output; `blocks`, `spans` of the stroke.
-  void Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
-           std::int64_t blocks, std::int64_t spans);
+  void AddStroke(std::int64_t blocks, std::int64_t spans);
+  /// `noise`: share of the integral form that is noise, of one of the strokes or the sum of several, regressors first, output last;
+  /// `theta` goes with the regressors, `walk` are the entries of it whose noise is integrated, theta.size() being the output.
+  void AddNoise(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk);
   /// Output units rms (m^3/s of a volume balance); 0 without any stroke.
   double Rms() const;
 

@@ -9,29 +9,15 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kGroupLanes = 8;     ///< groups left out side by side, each in a lane of its own
+constexpr int kGroupLanes = EightLanes::kCount;  ///< groups left out side by side, each in a lane of its own
 constexpr int kColumnsAtOnce = 4;  ///< of the solution, for each element of the factor that is loaded
 constexpr int kLanesAtOnce = 4;    ///< of choices of signs, for each element of the form that is loaded
 
-/// A number per group.
-using GroupLanes = EightLanes;
-
-[[gnu::always_inline]] inline void AddProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& sum) {
-  for (int h = 0; h < 2; ++h) sum.half[h] += a.half[h] * b.half[h];
-}
-[[gnu::always_inline]] inline void SubtractProduct(const GroupLanes& a, const GroupLanes& b,
-                                                   GroupLanes& left) {
-  for (int h = 0; h < 2; ++h) left.half[h] -= a.half[h] * b.half[h];
-}
-[[gnu::always_inline]] inline void PutProduct(const GroupLanes& a, const GroupLanes& b, GroupLanes& out) {
-  for (int h = 0; h < 2; ++h) out.half[h] = a.half[h] * b.half[h];
-}
-
 /// Cholesky's factor of `a` (lower, by rows) in its place, with the inverse of its diagonal on the diagonal.
-HYDROSCOPE_WIDE void FactorInPlace(int n, GroupLanes* a) {
+HYDROSCOPE_WIDE void FactorInPlace(int n, EightLanes* a) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {
-      GroupLanes left = a[i * n + j];
+      EightLanes left = a[i * n + j];
       for (int k = 0; k < j; ++k) SubtractProduct(a[i * n + k], a[j * n + k], left);
       if (j < i)
         PutProduct(left, a[j * n + j], a[i * n + j]);
@@ -41,9 +27,9 @@ HYDROSCOPE_WIDE void FactorInPlace(int n, GroupLanes* a) {
 }
 
 /// Columns `x` (by rows of kColumnsAtOnce) become the solutions of the factored equations.
-HYDROSCOPE_WIDE void SolveInPlace(int n, const GroupLanes* factor, GroupLanes* x) {
+HYDROSCOPE_WIDE void SolveInPlace(int n, const EightLanes* factor, EightLanes* x) {
   for (int i = 0; i < n; ++i) {
-    GroupLanes left[kColumnsAtOnce];
+    EightLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = 0; k < i; ++k)
       for (int c = 0; c < kColumnsAtOnce; ++c)
@@ -52,7 +38,7 @@ HYDROSCOPE_WIDE void SolveInPlace(int n, const GroupLanes* factor, GroupLanes* x
       PutProduct(left[c], factor[i * n + i], x[i * kColumnsAtOnce + c]);
   }
   for (int i = n - 1; i >= 0; --i) {
-    GroupLanes left[kColumnsAtOnce];
+    EightLanes left[kColumnsAtOnce];
     for (int c = 0; c < kColumnsAtOnce; ++c) left[c] = x[i * kColumnsAtOnce + c];
     for (int k = i + 1; k < n; ++k)
       for (int c = 0; c < kColumnsAtOnce; ++c)
@@ -63,42 +49,33 @@ HYDROSCOPE_WIDE void SolveInPlace(int n, const GroupLanes* factor, GroupLanes* x
 }
 
 /// `out` = symmetric `h` (by rows) times `x` (by rows of kColumnsAtOnce).
-HYDROSCOPE_WIDE void Multiply(int n, const GroupLanes* h, const GroupLanes* x, GroupLanes* out) {
+HYDROSCOPE_WIDE void Multiply(int n, const EightLanes* h, const EightLanes* x, EightLanes* out) {
   for (int i = 0; i < n; ++i) {
-    GroupLanes sum[kColumnsAtOnce] = {};
+    EightLanes sum[kColumnsAtOnce] = {};
     for (int k = 0; k < n; ++k)
       for (int c = 0; c < kColumnsAtOnce; ++c) AddProduct(h[i * n + k], x[k * kColumnsAtOnce + c], sum[c]);
     for (int c = 0; c < kColumnsAtOnce; ++c) out[i * kColumnsAtOnce + c] = sum[c];
   }
 }
 
-[[gnu::always_inline]] inline GroupLanes InAllLanes(double value) {
-  GroupLanes lanes;
-  for (auto& half : lanes.half) half = EightLanes::Four{value, value, value, value};
-  return lanes;
-}
-
 /// `total` (by columns) less what each group has of it, by rows.
-HYDROSCOPE_WIDE void TakeOff(int n, const double* total, const GroupLanes* h, GroupLanes* left) {
+HYDROSCOPE_WIDE void TakeOff(int n, const double* total, const EightLanes* h, EightLanes* left) {
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      const GroupLanes sum = InAllLanes(total[j * n + i]);
-      for (int v = 0; v < 2; ++v) left[i * n + j].half[v] = sum.half[v] - h[i * n + j].half[v];
-    }
+    for (int j = 0; j < n; ++j) PutDifference(InAllLanes(total[j * n + i]), h[i * n + j], left[i * n + j]);
 }
 
 /// `column` of `x` (by rows of kColumnsAtOnce) times `q`.
-HYDROSCOPE_WIDE void TimesColumn(int n, const GroupLanes* x, int column, const GroupLanes* q,
-                                 GroupLanes* product) {
-  GroupLanes sum;
+HYDROSCOPE_WIDE void TimesColumn(int n, const EightLanes* x, int column, const EightLanes* q,
+                                 EightLanes* product) {
+  EightLanes sum;
   for (int i = 0; i < n; ++i) AddProduct(x[i * kColumnsAtOnce + column], q[i], sum);
   *product = sum;
 }
 
 /// x' y of each pair of columns, over all lanes.
-HYDROSCOPE_WIDE void ProductsOverLanes(int n, const GroupLanes* x, const GroupLanes* y, double* products) {
+HYDROSCOPE_WIDE void ProductsOverLanes(int n, const EightLanes* x, const EightLanes* y, double* products) {
   for (int a = 0; a < kColumnsAtOnce; ++a) {
-    GroupLanes sum[kColumnsAtOnce] = {};
+    EightLanes sum[kColumnsAtOnce] = {};
     for (int i = 0; i < n; ++i)
       for (int b = 0; b < kColumnsAtOnce; ++b)
         AddProduct(x[i * kColumnsAtOnce + a], y[i * kColumnsAtOnce + b], sum[b]);
@@ -159,10 +136,10 @@ class LeftOut {
   int n_;
   Eigen::Index first_;
   int lanes_;
-  GroupLanes used_;                     ///< 1 in lanes that hold a group
-  std::vector<GroupLanes> h_, factor_;  ///< n x n
-  std::vector<GroupLanes> q_;           ///< n
-  std::vector<GroupLanes>
+  EightLanes used_;                     ///< 1 in lanes that hold a group
+  std::vector<EightLanes> h_, factor_;  ///< n x n
+  std::vector<EightLanes> q_;           ///< n
+  std::vector<EightLanes>
       solutions_;  ///< c_u without each group, kColumnsAtOnce by kColumnsAtOnce; c_s without s is 0
 };
 
@@ -171,13 +148,13 @@ void LeftOut::Solve(const Eigen::MatrixXd& total) {
   FactorInPlace(n_, factor_.data());
   const Eigen::Index groups = groups_.q.cols();
   const auto blocks = static_cast<std::size_t>((groups + kColumnsAtOnce - 1) / kColumnsAtOnce);
-  solutions_.assign(blocks * block_size(), GroupLanes{});
+  solutions_.assign(blocks * block_size(), EightLanes{});
   for (std::size_t b = 0; b < blocks; ++b) {
-    GroupLanes* const x = solutions_.data() + b * block_size();
+    EightLanes* const x = solutions_.data() + b * block_size();
     for (int c = 0; c < kColumnsAtOnce; ++c) {
       const Eigen::Index u = static_cast<Eigen::Index>(b) * kColumnsAtOnce + c, own = u - first_;
       if (u >= groups) continue;
-      GroupLanes others = used_;
+      EightLanes others = used_;
       if (own >= 0 && own < lanes_) others.Set(static_cast<int>(own), 0);
       for (int i = 0; i < n_; ++i) PutProduct(InAllLanes(groups_.q(i, u)), others, x[i * kColumnsAtOnce + c]);
     }
@@ -187,10 +164,10 @@ void LeftOut::Solve(const Eigen::MatrixXd& total) {
 
 void LeftOut::AddTo(const Eigen::MatrixXd& total, Eigen::MatrixXd& form) {
   Solve(total);
-  std::vector<GroupLanes> h_times(block_size());
+  std::vector<EightLanes> h_times(block_size());
   std::array<double, kColumnsAtOnce * kColumnsAtOnce> products;
   for (std::size_t second = 0; second < blocks(); ++second) {
-    const GroupLanes* const y = solutions_.data() + second * block_size();
+    const EightLanes* const y = solutions_.data() + second * block_size();
     Multiply(n_, h_.data(), y, h_times.data());
     for (std::size_t first = second; first < blocks(); ++first) {  // the form is symmetric: its lower half
       ProductsOverLanes(n_, solutions_.data() + first * block_size(), h_times.data(), products.data());
@@ -203,7 +180,7 @@ void LeftOut::AddTo(const Eigen::MatrixXd& total, Eigen::MatrixXd& form) {
     }
   }
   for (Eigen::Index u = 0; u < form.cols(); ++u) {
-    GroupLanes cross;
+    EightLanes cross;
     TimesColumn(n_, solutions_.data() + u / kColumnsAtOnce * block_size(),
                 static_cast<int>(u % kColumnsAtOnce), q_.data(), &cross);
     for (int lane = 0; lane < lanes_; ++lane) {

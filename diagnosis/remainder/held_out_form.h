@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "core/eight_lanes.h"
+
 namespace hydroscope {
 
 /// Normal equations of groups of rows.
@@ -16,15 +18,6 @@ struct GroupEquations {
 /// of `ridges`. That is added to the diagonal of the sum of all groups and makes what is left without any one group positive definite.
 /// The fit without group s is sum_u e_u c_u, so the error on it is a quadratic form in the signs.
 std::vector<Eigen::MatrixXd> HeldOutForms(const GroupEquations& groups, const Eigen::MatrixXd& ridges);
-
-/// Numbers in two vectors of four: vectors of eight, without AVX-512, are taken apart into words in memory by GCC 12 and put
-/// together again, at every operation. Aligned as memory without AVX is, whichever processor a function is compiled for.
-struct EightLanes {
-  typedef double Four __attribute__((vector_size(32), aligned(16)));
-  Four half[2] = {};
-  double operator[](int lane) const { return half[lane / 4][lane % 4]; }
-  void Set(int lane, double value) { half[lane / 4][lane % 4] = value; }
-};
 
 /// Choices of signs of the groups.
 class SignChoices {
