@@ -19,11 +19,15 @@ if [[ ${1:-} == threads ]]; then
   exit
 fi
 scripts/build.sh sanitize "${folders[@]/%/_test}"
-# They repeat one thing a thousand times, or, explaining, take ten seconds and more here.
-export long=-FrequencyResponse.Intervals*:Predictability.FindsNothingIn*:MissingDynamics.Noise*:MissingLimit.A*:ParameterDrift.*\
-:ExplainStates.ACube*:ExplainStates.AStop*:ExplainStates.CallsA*:ExplainStates.Names*:ExplainStates.FindsNothing*\
-:ExperimentOfADrift.*:ExperimentTest.Recorded*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*\
-:OddStrokes.Another*:OddStrokes.OneChange*
+# They repeat one thing a thousand times, or simulate or explain for a second and more without sanitizers, and ten here.
+export long=-FrequencyResponse.Intervals*:FrequencyResponse.Broadband*:*Endurance.*:FloorTrust.Believes*:IntegralEstimator.Time*\
+:IntegralEstimator.StrokesThat*:LinearForm.Intervals*:LoopFollowing.AGain*:NoiseFloor.*:SamplingRate.Is*:StateFit.Intervals*\
+:StrokeClusters.Intervals*:Imperfections.Of*:Imperfections.Intermittent*:RandomMachine.IsValid*:SimulatePress.EveryEffect*\
+:Standstill.Healthy*:Predictability.FindsNothingIn*:MissingDynamics.*:MissingLimit.*:StateLimit.OneBelow*:ParameterDrift.*\
+:ExplainStates.A*:ExplainStates.Names*:ExplainStates.FindsNothing*:ExplainStates.Gives*:ExplainStates.What*\
+:ExplainStates.CallsA*:ExplainSamples.Without*:ExperimentOfADrift.*:ExperimentTest.Recorded*:Sampling.How*\
+:StateExperiment.WhatIsProposed*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*\
+:OddStrokes.OneChange*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
 test_folder() {
   local output
