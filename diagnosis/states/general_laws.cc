@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -129,9 +131,9 @@ struct LawContender {
   const GeneralLaw* law = nullptr;
 };
 
-/// The laws that are foreseen to gain most beside a set.
+/// All laws beside a set, those that are foreseen to gain most first.
 std::vector<LawContender> ContendersBeside(const StateCandidate& set, const GeneralLaws& general,
-                                           const CandidateFits& fits, int most) {
+                                           const CandidateFits& fits) {
   std::vector<LawContender> out;
   for (const GeneralLaw& law : general.laws()) {
     std::vector<std::string> added = set.added;
@@ -139,8 +141,35 @@ std::vector<LawContender> ContendersBeside(const StateCandidate& set, const Gene
     if (auto contender = fits.Screened(added, set)) out.push_back({std::move(*contender), &law});
   }
   std::ranges::stable_sort(out, {}, [](const LawContender& law) { return law.contender.foreseen; });
-  if (std::ssize(out) > most) out.erase(out.begin() + most, out.end());
   return out;
+}
+
+/// The first so many.
+std::span<const LawContender> First(const std::vector<LawContender>& laws, int most) {
+  return std::span(laws).first(std::min(laws.size(), static_cast<std::size_t>(most)));
+}
+
+/// A law in place of an effect of the set found, and its fit.
+using FitInPlace = std::pair<const GeneralLaw*, std::function<StateCandidate()>>;
+
+/// Those that come nearest to what the set found does, from there, then those foreseen to gain most, from their starts: about a model
+/// that lacks a strong law linearisation promises nothing of the right one.
+std::vector<FitInPlace> FitsInPlace(const std::vector<LawContender>& laws, const CandidateFits& fits,
+                                    const FoundSets& found) {
+  const StatesExplanation& out = found.out;
+  std::vector<std::pair<double, const LawContender*>> nearest;
+  for (const LawContender& law : laws)
+    if (const auto near = NearestLawTo(out.base.fit, out.final, *law.contender.model, found.episodes);
+        near && near->apart > found.options.same_law && near->apart <= found.options.near_law)
+      nearest.emplace_back(near->apart, &law);
+  std::ranges::stable_sort(nearest, {}, &std::pair<double, const LawContender*>::first);
+  std::vector<FitInPlace> in_place;
+  for (const auto& [apart, law] : nearest)
+    in_place.emplace_back(
+        law->law, [&, law] { return fits.FittedNear(law->contender, out.final, found.options.near_law); });
+  for (const LawContender& law : First(laws, found.options.contenders))
+    in_place.emplace_back(law.law, [&] { return fits.Fitted(law.contender); });
+  return in_place;
 }
 
 }  // namespace
@@ -173,11 +202,12 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   const double enough =
       out.final.held_out *
       (1 - (out.final_left.structured ? found.options.min_removed * out.final_left.least_share : 0));
-  for (const LawContender& in_place : ContendersBeside(rest, general, fits, found.options.contenders)) {
-    const StateCandidate other = fits.Fitted(in_place.contender);
+  const std::vector<LawContender> laws = ContendersBeside(rest, general, fits);
+  for (const auto& [law, fit] : FitsInPlace(laws, fits, found)) {
+    const StateCandidate other = fit();
     if (other.fitted() && other.held_out < enough &&
         !SameLaw(out.base.fit, out.final, other, found.episodes, found.options.same_law, effect_alone->get()))
-      return NotToldFromGeneral(effect, *in_place.law);
+      return NotToldFromGeneral(effect, *law);
   }
   return {};
 }
@@ -191,7 +221,8 @@ std::optional<LawBeside> FindLawBeside(FoundSets& found) {
   std::optional<LawBeside> best;
   const GeneralLaws general(found.machine, equations, set.fit, found.episodes, true);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
-  for (const LawContender& beside : ContendersBeside(set, general, fits, found.options.laws_beside)) {
+  const std::vector<LawContender> laws = ContendersBeside(set, general, fits);
+  for (const LawContender& beside : First(laws, found.options.laws_beside)) {
     const StateCandidate both = fits.Fitted(beside.contender);
     const double removed = set.held_out - both.held_out;
     if (both.fitted() && removed > (best ? best->removed : 0)) best = LawBeside{*beside.law, removed};

@@ -8,6 +8,8 @@
 #include <random>
 
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/found_sets.h"
+#include "diagnosis/states/general_laws.h"
 #include "diagnosis/states/search_sentences.h"
 #include "models/machine.h"
 
@@ -179,6 +181,29 @@ TEST(ExplainStates, AStopIsNotNamedForASpringThatNoFreeRunFollows) {
   const StatesExplanation x = Explained(OscillatorLog({484, 54, 0, 0, 0.02, 1e5}, 2000, 8), WithStop());
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_TRUE(x.set.empty());
+}
+
+/// A stop found in place of a fifth power, about whose absence linearisation promises nothing of any law.
+TEST(GeneralLaws, ThoseNearestToWhatWasFoundAreTriedWhateverLinearisationPromises) {
+  const auto machine = ParseMachine(WithStop(), "oscillator");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const Episode episode = OscillatorLog({362, 34, 0, 0, 1, 100}, 800, 7);
+  const std::span<const Episode> episodes(&episode, 1);
+  ExplainStatesOptions options;
+  options.contenders = 0;
+  FoundSets found(*machine, episodes, 1, options);
+  const auto fitted = [&](const std::vector<std::string>& added) {
+    StateCandidate out{added, FitStates(*BuildStateModel(*machine, added), episodes), 0};
+    out.held_out = out.fit.HeldOutEnergy();
+    return out;
+  };
+  found.out.base = fitted({});
+  found.out.final_left.structured = true;
+  found.fits.emplace(*machine, episodes, found.starts_on, options, found.out.base);
+  found.out.final = found.fits->Without(fitted({"stop"}), {"stop"});  // over the noise of the base
+  const auto told = BetterGeneralLaw(found, "stop");
+  ASSERT_TRUE(told);
+  EXPECT_THAT(told->english, testing::HasSubstr("x^5 in the equation of v"));
 }
 
 /// A cube is the nearest there is to soft stops on both sides.

@@ -90,6 +90,18 @@ bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
   return !other.holds_otherwise || stated.hold == LogFormat().hold;
 }
 
+/// Asked of the set found, and of single effects that do nearly as well: an imitator may bend to a wrong sampling, so that another
+/// takes nothing of its error away.
+std::optional<OtherSampling> SamplingOf(const StatesExplanation& x, std::span<const Episode> fitted) {
+  const SamplingOptions options;
+  auto other = FindOtherSampling(x.final.fit, fitted, options);
+  for (const StateCandidate& rival : x.ranking)
+    if (!other && rival.fitted() && rival.added != x.final.added && rival.fit.runs.size() == fitted.size() &&
+        rival.held_out <= options.rivals * x.final.held_out)
+      other = FindOtherSampling(rival.fit, fitted, options);
+  return other;
+}
+
 EpisodeLog WithSampling(EpisodeLog log, const OtherSampling& taken) {
   log.machine.log.hold = taken.hold;
   if (taken.is_late) log.machine.log.outputs_late = taken.late;
@@ -233,7 +245,7 @@ Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   if (x.verdict == Verdict::kUnknown || x.partial)
-    if (const auto other = FindOtherSampling(x.final.fit, fitted)) {
+    if (const auto other = SamplingOf(x, fitted)) {
       if (IsTaken(*other, out.log.machine.log)) {
         out.log.warnings = read;
         return ExplainReadEpisodes(WithSampling(std::move(out.log), *other));

@@ -17,6 +17,8 @@ struct SamplingOptions {
   double less_error = 0.8;  ///< rms error over that of what the file says, below which another way is told of
   double plainer =
       1.1;  ///< a way that leaves so much more than the best, but differs from the file in one thing, is taken
+  /// Energy on pieces left out, of what the set of effects found leaves, up to which other effects are asked as well.
+  double rivals = 2;
   /// Energy left over that before, foreseen by linearisation, above which no other age of the outputs is tried.
   double foreseen = 0.85;
   int late_steps = 6;           ///< of the search for that age
