@@ -116,13 +116,14 @@ void GeneralLaws::Add(const std::vector<Equation>& equations, const std::string&
   laws_.push_back(std::move(law));
 }
 
-/// The equations that an effect adds to.
-std::vector<std::string> EquationsOf(const Machine& machine, const std::string& effect) {
+/// The equations that effects add to.
+std::vector<std::string> EquationsOf(const Machine& machine, std::span<const std::string> effects) {
   const std::vector<Effect> library = StateEffectsOf(machine);
   std::vector<std::string> out;
-  if (const Effect* found = FindStateEffect(library, effect))
-    for (const TermSpec& term : found->adds)
-      if (!Contains(out, term.parameter)) out.push_back(term.parameter);
+  for (const std::string& effect : effects)
+    if (const Effect* found = FindStateEffect(library, effect))
+      for (const TermSpec& term : found->adds)
+        if (!Contains(out, term.parameter)) out.push_back(term.parameter);
   return out;
 }
 
@@ -192,7 +193,7 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   const StatesExplanation& out = found.out;
   const StateCandidate& rest = out.final.added.size() == 1 ? out.base : found.Without(effect);
   if (!rest.fitted()) return {};
-  const GeneralLaws general(found.machine, EquationsOf(found.machine, effect), rest.fit, found.episodes,
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, {&effect, 1}), rest.fit, found.episodes,
                             out.final_left.structured);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
   std::vector<std::string> alone = found.machine.added_effects;
@@ -212,14 +213,25 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   return {};
 }
 
+std::optional<Told> GeneralLawInPlaceOfAll(FoundSets& found) {
+  const StatesExplanation& out = found.out;
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, out.final.added), out.base.fit,
+                            found.episodes, true);
+  const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
+  const std::vector<LawContender> laws = ContendersBeside(out.base, general, fits);
+  for (const auto& [law, fit] : FitsInPlace(laws, fits, found)) {
+    const StateCandidate alone = fit();
+    if (alone.fitted() && alone.held_out <= out.final.held_out)
+      return NotToldFromGeneral(fmt::format("{}", fmt::join(out.final.added, " + ")), *law);
+  }
+  return {};
+}
+
 std::optional<LawBeside> FindLawBeside(FoundSets& found) {
   const StateCandidate& set = found.out.final;
-  std::vector<std::string> equations;
-  for (const std::string& effect : set.added)
-    for (const std::string& equation : EquationsOf(found.machine, effect))
-      if (!Contains(equations, equation)) equations.push_back(equation);
   std::optional<LawBeside> best;
-  const GeneralLaws general(found.machine, equations, set.fit, found.episodes, true);
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, set.added), set.fit, found.episodes,
+                            true);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
   const std::vector<LawContender> laws = ContendersBeside(set, general, fits);
   for (const LawContender& beside : First(laws, found.options.laws_beside)) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "diagnosis/states/explain_states.h"
@@ -183,27 +184,45 @@ TEST(ExplainStates, AStopIsNotNamedForASpringThatNoFreeRunFollows) {
   EXPECT_TRUE(x.set.empty());
 }
 
-/// A stop found in place of a fifth power, about whose absence linearisation promises nothing of any law.
-TEST(GeneralLaws, ThoseNearestToWhatWasFoundAreTriedWhateverLinearisationPromises) {
-  const auto machine = ParseMachine(WithStop(), "oscillator");
-  ASSERT_TRUE(machine) << machine.error().text;
-  const Episode episode = OscillatorLog({362, 34, 0, 0, 1, 100}, 800, 7);
-  const std::span<const Episode> episodes(&episode, 1);
-  ExplainStatesOptions options;
-  options.contenders = 0;
-  FoundSets found(*machine, episodes, 1, options);
-  const auto fitted = [&](const std::vector<std::string>& added) {
-    StateCandidate out{added, FitStates(*BuildStateModel(*machine, added), episodes), 0};
+/// A search of one log that has found a set of effects.
+struct FoundEffects {
+  FoundEffects(const std::string& file, Episode log, const std::vector<std::string>& set, int contenders)
+      : machine(*ParseMachine(file, "oscillator")), episode(std::move(log)) {
+    options.contenders = contenders;
+    found.emplace(machine, std::span(&episode, 1), 1, options);
+    found->out.base = Fitted({});
+    found->out.final_left.structured = true;
+    found->fits.emplace(machine, found->episodes, found->starts_on, options, found->out.base);
+    found->out.final = found->fits->Without(Fitted(set), set);  // over the noise of the base
+  }
+  StateCandidate Fitted(const std::vector<std::string>& added) const {
+    StateCandidate out{added, FitStates(*BuildStateModel(machine, added), found->episodes), 0};
     out.held_out = out.fit.HeldOutEnergy();
     return out;
-  };
-  found.out.base = fitted({});
-  found.out.final_left.structured = true;
-  found.fits.emplace(*machine, episodes, found.starts_on, options, found.out.base);
-  found.out.final = found.fits->Without(fitted({"stop"}), {"stop"});  // over the noise of the base
-  const auto told = BetterGeneralLaw(found, "stop");
+  }
+
+  Machine machine;
+  Episode episode;
+  ExplainStatesOptions options;
+  std::optional<FoundSets> found;
+};
+
+/// A stop found in place of a fifth power, about whose absence linearisation promises nothing of any law.
+TEST(GeneralLaws, ThoseNearestToWhatWasFoundAreTriedWhateverLinearisationPromises) {
+  FoundEffects stop(WithStop(), OscillatorLog({362, 34, 0, 0, 1, 100}, 800, 7), {"stop"}, 0);
+  const auto told = BetterGeneralLaw(*stop.found, "stop");
   ASSERT_TRUE(told);
   EXPECT_THAT(told->english, testing::HasSubstr("x^5 in the equation of v"));
+}
+
+/// A cube and a square imitate a fifth power, and one law does better; of a true cube and square none alone does.
+TEST(GeneralLaws, OneInPlaceOfAWholeSetIsToldWhereItAloneDoesAsWell) {
+  constexpr int kRows = 500;
+  const std::vector<std::string> set = {"cubic", "quadratic"};
+  FoundEffects imitate(kOscillator, OscillatorLog({362, 34, 0, 0, 1, 100}, kRows, 7), set, 1);
+  EXPECT_TRUE(GeneralLawInPlaceOfAll(*imitate.found));
+  FoundEffects hold(kOscillator, OscillatorLog({362, 34, 1e4, 3000, 0.03}, kRows, 7), set, 1);
+  EXPECT_FALSE(GeneralLawInPlaceOfAll(*hold.found));
 }
 
 /// A cube is the nearest there is to soft stops on both sides.

@@ -160,8 +160,8 @@ class SearchConclusion {
     }
   }
 
-  /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, the others
-  /// may stand in for the rest of such a law: nothing is named.
+  /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, or one such law
+  /// does as well as the whole set, the others may stand in for the rest of it: nothing is named.
   void LeaveOutUnspecific() {
     std::vector<std::string> named;
     bool leans = false;
@@ -175,6 +175,11 @@ class SearchConclusion {
       leans = leans || ShareOf(id) > options_.leans_share;
       out_.nearest.push_back(id);
       out_.warnings.push_back(like ? *like : MayStandIn(id, left));
+    }
+    const bool some_are_left = !leans && !named.empty() && named.size() < out_.final.added.size();
+    if (const auto law = some_are_left ? GeneralLawInPlaceOfAll(found_) : std::nullopt) {
+      leans = true;
+      out_.warnings.push_back(*law);
     }
     if (leans)
       out_.nearest = out_.final.added;
