@@ -157,9 +157,10 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   const std::vector<EffectChoice> firsts = PairFirsts(ranking);
   for (const EffectChoice& choice : firsts) pair_with(choice);
   if (pairs.empty()) return std::nullopt;
+  // Of gains that are the same but for less than a noise variance the effects' own gains decide: firsts come in their order.
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
     if (x.lawful != y.lawful) return x.lawful;
-    return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
+    return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : std::round(x.gain) > std::round(y.gain);
   });
   const Pair best = std::move(pairs.front());
   pairs.erase(pairs.begin());
