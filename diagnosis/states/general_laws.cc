@@ -165,9 +165,11 @@ std::vector<FitInPlace> FitsInPlace(const std::vector<LawContender>& laws, const
       nearest.emplace_back(near->apart, &law);
   std::ranges::stable_sort(nearest, {}, &std::pair<double, const LawContender*>::first);
   std::vector<FitInPlace> in_place;
-  for (const auto& [apart, law] : nearest)
-    in_place.emplace_back(
-        law->law, [&, law] { return fits.FittedNear(law->contender, out.final, found.options.near_law); });
+  for (const auto& [apart, nearest_law] : nearest) {
+    const LawContender& law = *nearest_law;
+    in_place.emplace_back(law.law,
+                          [&] { return fits.FittedNear(law.contender, out.final, found.options.near_law); });
+  }
   for (const LawContender& law : First(laws, found.options.contenders))
     in_place.emplace_back(law.law, [&] { return fits.Fitted(law.contender); });
   return in_place;
