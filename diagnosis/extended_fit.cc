@@ -25,13 +25,9 @@ Eigen::MatrixXd Congruence(const SymmetricMatrix& gram, const SparseColumns& col
   Eigen::MatrixXd out(size, size);
   for (int j = 0; j < size; ++j)
     for (int i = 0; i <= j; ++i) {
-      const auto &left = columns[i], &right = columns[j];
       double sum = 0;
-      if (left.size() == 1 && right.size() == 1)  // as most are
-        sum = left[0].second * right[0].second * gram(left[0].first, right[0].first);
-      else
-        for (const auto& [a, wa] : left)
-          for (const auto& [b, wb] : right) sum += wa * wb * gram(a, b);
+      for (const auto& [a, wa] : columns[i])
+        for (const auto& [b, wb] : columns[j]) sum += wa * wb * gram(a, b);
       out(i, j) = out(j, i) = sum;
     }
   return out;

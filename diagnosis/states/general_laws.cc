@@ -223,7 +223,7 @@ std::optional<Told> GeneralLawInPlaceOfAll(FoundSets& found) {
   const std::vector<LawContender> laws = ContendersBeside(out.base, general, fits);
   for (const auto& [law, fit] : FitsInPlace(laws, fits, found)) {
     const StateCandidate alone = fit();
-    if (alone.fitted() && alone.held_out <= out.final.held_out)
+    if (alone.fitted() && alone.held_out < out.final.held_out)
       return NotToldFromGeneral(fmt::format("{}", fmt::join(out.final.added, " + ")), *law);
   }
   return {};

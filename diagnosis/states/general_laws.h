@@ -28,7 +28,7 @@ std::vector<GeneralShape> GeneralShapes(const std::string& of);
 /// that says so.
 std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect);
 
-/// The same of one law in the equations of the whole set, in place of all its effects, that does no worse: several effects imitate
+/// The same of one law in the equations of the whole set, in place of all its effects, that does better: several effects imitate
 /// a law that the file lacks better than one does.
 std::optional<Told> GeneralLawInPlaceOfAll(FoundSets& found);
 

@@ -161,7 +161,7 @@ class SearchConclusion {
   }
 
   /// Takes from the set found what is too weak to be told from laws that nobody has named. Where that explains much, or one such law
-  /// does as well as the whole set, the others may stand in for the rest of it: nothing is named.
+  /// does better than the whole set, the others may stand in for the rest of it: nothing is named.
   void LeaveOutUnspecific() {
     std::vector<std::string> named;
     bool leans = false;
