@@ -37,6 +37,17 @@ inline NoiseOfSensor Filtered(double phi) {
   };
 }
 
+/// White, and in one of twenty pieces of `rows_of_each` rows so many times as strong.
+inline NoiseOfSensor Bursts(std::size_t rows_of_each, double times) {
+  return [=](RandomStream& random, std::size_t rows) {
+    constexpr std::size_t kPieces = 20;
+    std::vector<double> noise = WhiteNoise(random, rows);
+    for (std::size_t k = 0; k < rows; ++k)
+      if (k / rows_of_each % kPieces == kPieces / 2) noise[k] *= times;
+    return noise;
+  };
+}
+
 /// For tests: a log of the simulated press with the geometry of the analytic machine and what the pipeline
 /// makes of it.
 struct JudgedLog {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/contains.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -156,14 +157,21 @@ class RateJudge {
   RateSums sums_;
 };
 
+/// Share of an energy over single rows that is surely noise: what grows fourfold or more from single rows to pairs is motion.
+double ShareOfNoise(double growth) { return std::clamp(1 - (growth - 1) / (kMotionOfPairs - 1), 0.0, 1.0); }
+
 /// Standard deviation of a signal's noise, SI, as far as it is surely noise.
 double SureNoise(const SignalNoise& signal, const SamplingRateOptions& options) {
   if (std::isfinite(signal.stated)) return signal.stated;
   const double std = std::min(signal.std, signal.quiet_std);
-  if (signal.ratio_high < options.white_ratio && signal.ratio_low > 1 / options.white_ratio) return std;
+  if (signal.ratio_high < options.white_ratio && signal.ratio_low > 1 / options.white_ratio) {
+    // Less over pairs than over single rows is neither: motion near the sampling rate.
+    if (!(signal.loud_growth > 1 / options.white_ratio)) return std;
+    const double louder = signal.std * signal.std - std * std;  // comes in bursts, or moves
+    return std::sqrt(std * std + louder * ShareOfNoise(signal.loud_growth));
+  }
   if (signal.std > options.noise_of_range * signal.range) return 0;
-  // What grows fourfold or more from single rows to pairs is motion; taken out of the energy of single rows.
-  return std * std::sqrt(std::clamp(1 - (signal.ratio - 1) / (kMotionOfPairs - 1), 0.0, 1.0));
+  return std * std::sqrt(ShareOfNoise(signal.ratio));
 }
 
 std::vector<double> NoiseOfChannels(const ModelStructure& model, const FloorTrust& trust,
@@ -196,6 +204,32 @@ void DescribeSlow(const std::string& unit, SamplingRate& rate) {
       "der Zeilen allein macht einen Fehler von {:.2g} {}, {:.2g} % des Ausgangs)",
       RowsEvery(rate.period), RowsEvery(rate.needed_period), rate.error * shown.factor,
       shown.name.empty() ? unit : std::string(shown.name), 100 * rate.error / rate.output);
+}
+
+/// Whether what a signal scatters by beyond its quiet rows may as well be noise that comes in bursts.
+bool MayComeInBursts(const SignalNoise& signal, const SamplingRateOptions& options) {
+  return signal.std * signal.std > options.burst_energy * signal.quiet_std * signal.quiet_std &&
+         signal.loud_growth < options.burst_growth;
+}
+
+/// The signal of the balance with the largest share of its noise that may come in bursts; nullptr if none does.
+const SignalNoise* SignalWithBursts(const ModelStructure& model, const FloorTrust& trust,
+                                    const SamplingRateOptions& options) {
+  for (const SignalNoise& signal : trust.signals)
+    if (Contains(model.channel_names, signal.name) && MayComeInBursts(signal, options)) return &signal;
+  return nullptr;
+}
+
+void DescribeBursts(const SignalNoise& signal, SamplingRate& rate) {
+  const DisplayUnit shown = DisplayUnitFor(signal.unit);
+  const std::string unit = shown.name.empty() ? signal.unit : std::string(shown.name);
+  rate.sentence = Tell(
+      "noise of {} comes in bursts, or rows every {} are too slow for what it does: from row to row it scatters by {:.2g} {}, by "
+      "{:.2g} {} where it is quiet; see to its cable and sensor, or record rows every {} or faster",
+      "das Rauschen von {} kommt in Stößen, oder eine Zeile alle {} ist zu langsam für das, was es tut: von Zeile zu Zeile streut es "
+      "um {:.2g} {}, um {:.2g} {}, wo es ruhig ist; Kabel und Sensor prüfen, oder eine Zeile alle {} oder schneller aufzeichnen",
+      signal.name, RowsEvery(rate.period), signal.std * shown.factor, unit, signal.quiet_std * shown.factor,
+      unit, RowsEvery(rate.needed_period));
 }
 
 }  // namespace
@@ -232,7 +266,10 @@ SamplingRate JudgeSamplingRate(const ModelStructure& model, std::span<const std:
   rate.needed_period =
       RoundedDown(rate.period * std::pow(rate.allowed / rate.error, 1 / std::max(order, kOrderOfNearRows)));
   rate.needed_rate_hz = 1 / rate.needed_period;
-  DescribeSlow(model.output_unit, rate);
+  if (const SignalNoise* bursts = SignalWithBursts(model, trust, options))
+    DescribeBursts(*bursts, rate);
+  else
+    DescribeSlow(model.output_unit, rate);
   return rate;
 }
 

@@ -21,7 +21,8 @@ struct SamplingRate {
   double error = 0;           ///< output unit rms, of the balance, that the distance of the rows causes alone
   double allowed = 0;         ///< output unit rms
   double output = 0;          ///< output unit rms, over the same windows
-  Told sentence;              ///< "sampled too slowly for this: rows every ..."; "" if fast enough
+  /// "sampled too slowly for this: rows every ...", or "noise of ... comes in bursts, or rows every ..."; "" if fast enough
+  Told sentence;
 };
 
 struct SamplingRateOptions {
@@ -34,6 +35,9 @@ struct SamplingRateOptions {
   double white_ratio = 1.3;
   /// Otherwise a contrast beyond this share of a signal's own range is not taken for sensor noise.
   double noise_of_range = 0.05;
+  /// Scatter beyond the quiet rows may be noise in bursts where all rows have more than this energy, in that of the quiet ones, and
+  /// what is more grows by less than this from single rows to pairs: 0.7 to 1.5 of few bursts (sampling_rate_test.cc), motion 8.
+  double burst_energy = 2, burst_growth = 1.5;
 };
 
 /// Error of the base balance by the distance of its rows. The balance `theta` (SI, regression parameters) is

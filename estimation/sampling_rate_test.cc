@@ -31,6 +31,20 @@ TEST(SamplingRate, IsEnoughAt500HzUnderNoiseThatAFilterHasPassed) {
   }
 }
 
+/// Where bursts leave open what they are, the rows are not blamed alone.
+TEST(SamplingRate, IsNotBlamedForNoiseThatComesInBursts) {
+  int fast_enough = 0;
+  for (const std::size_t rows : {50u, 1000u})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const SamplingRate rate = RateOf(LogWith(seed, Bursts(rows, 15), 1, 2));
+      fast_enough += rate.fast_enough;
+      EXPECT_TRUE(rate.fast_enough || rate.sentence.english.find(
+                                          "in bursts, or rows every 4 ms are too slow") != std::string::npos)
+          << rows << " " << seed << ": " << rate.sentence.english;
+    }
+  EXPECT_GE(fast_enough, 2);
+}
+
 TEST(SamplingRate, IsTooLowAt20And10HzWhateverTheNoise) {
   for (const int every : {25, 50})
     for (const double scale : {0.1, 1.0})
@@ -41,6 +55,8 @@ TEST(SamplingRate, IsTooLowAt20And10HzWhateverTheNoise) {
         EXPECT_GE(rate.needed_period, 0.001);
         EXPECT_NEAR(rate.needed_rate_hz * rate.needed_period, 1, 1e-12);
       }
+  for (const std::size_t rows : {50u, 1000u})
+    EXPECT_FALSE(RateOf(LogWith(1, Bursts(rows, 15), 1, 50)).fast_enough) << rows;
 }
 
 TEST(SamplingRate, SaysWhatTheBalanceNeeds) {

@@ -290,6 +290,9 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   if (contrasts.empty()) return noise;
   noise.std = std::sqrt(contrasts.Energy(0, false));
   noise.quiet_std = std::sqrt(contrasts.Energy(0, true));
+  if (noise.std > noise.quiet_std)
+    noise.loud_growth = (contrasts.Energy(1, false) - contrasts.Energy(1, true)) /
+                        (contrasts.Energy(0, false) - contrasts.Energy(0, true));
   if (noise.std <= 0) return noise;
   if (noise.repeated > options.repeated_share)
     DescribeSteps(steps, period, options, noise);

@@ -30,8 +30,11 @@ struct SignalNoise {
   std::string name;  ///< of the signal
   std::string unit;  ///< SI
   NoiseKind kind = NoiseKind::kUnknown;
-  double std = 0;            ///< SI, from + - - + over neighbouring rows, all rows: what the floor goes by
-  double quiet_std = 0;      ///< SI, the same where the signal moves least
+  double std = 0;        ///< SI, from + - - + over neighbouring rows, all rows: what the floor goes by
+  double quiet_std = 0;  ///< SI, the same where the signal moves least
+  /// What all rows have beyond the quiet ones: its energy over pairs of rows against single rows. White noise that comes in
+  /// bursts 1, motion 8 and more; NaN where there is no more.
+  double loud_growth = std::numeric_limits<double>::quiet_NaN();
   bool seen_at_rest = true;  ///< the signal moves, but not always: `quiet_std` is that of its noise
   double ratio = 1;  ///< energy over pairs of rows against single rows where the signal moves least ...
   double ratio_low = 1, ratio_high = 1;  ///< ... and its 95 % band, by chunks of time
