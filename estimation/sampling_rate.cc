@@ -197,6 +197,7 @@ double RoundedDown(double period) {
 
 void DescribeSlow(const std::string& unit, SamplingRate& rate) {
   const DisplayUnit shown = DisplayUnitFor(unit);
+  rate.why = Tell("sampled too slowly", "zu langsam abgetastet");
   rate.sentence = Tell(
       "sampled too slowly for this: rows every {}, this balance needs {} or faster (the distance of the rows "
       "alone causes an error of {:.2g} {}, {:.2g} % of the output)",
@@ -223,6 +224,8 @@ const SignalNoise* SignalWithBursts(const ModelStructure& model, const FloorTrus
 void DescribeBursts(const SignalNoise& signal, SamplingRate& rate) {
   const DisplayUnit shown = DisplayUnitFor(signal.unit);
   const std::string unit = shown.name.empty() ? signal.unit : std::string(shown.name);
+  rate.why = Tell("noise of {} in bursts, or sampled too slowly",
+                  "Rauschen von {} in Stößen, oder zu langsam abgetastet", signal.name);
   rate.sentence = Tell(
       "noise of {} comes in bursts, or rows every {} are too slow for what it does: from row to row it scatters by {:.2g} {}, by "
       "{:.2g} {} where it is quiet; see to its cable and sensor, or record rows every {} or faster",

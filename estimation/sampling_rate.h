@@ -23,6 +23,7 @@ struct SamplingRate {
   double output = 0;          ///< output unit rms, over the same windows
   /// "sampled too slowly for this: rows every ...", or "noise of ... comes in bursts, or rows every ..."; "" if fast enough
   Told sentence;
+  Told why;  ///< the same in a word or two, for a parameter: "sampled too slowly"; "" if fast enough
 };
 
 struct SamplingRateOptions {

@@ -41,6 +41,8 @@ TEST(SamplingRate, IsNotBlamedForNoiseThatComesInBursts) {
       EXPECT_TRUE(rate.fast_enough || rate.sentence.english.find(
                                           "in bursts, or rows every 4 ms are too slow") != std::string::npos)
           << rows << " " << seed << ": " << rate.sentence.english;
+      EXPECT_EQ(rate.why.english.find("in bursts, or sampled too slowly") == std::string::npos,
+                rate.fast_enough);
     }
   EXPECT_GE(fast_enough, 2);
 }

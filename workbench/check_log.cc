@@ -64,7 +64,7 @@ void DoubtSlowRows(CheckResult& check) {
   if (rate.fast_enough) return;
   for (CheckedParameter& parameter : check.parameters) {
     parameter.verdict = Identifiability::kNot;
-    parameter.reason = Tell("sampled too slowly", "zu langsam abgetastet");
+    parameter.reason = rate.why;
     parameter.advice = Tell("record a row every {:.3g} ms or faster",
                             "eine Zeile alle {:.3g} ms oder schneller aufzeichnen", 1e3 * rate.needed_period);
   }

@@ -63,8 +63,9 @@ std::string FitText(const FitResult& result) {
     text += fmt::format("{:<{}} {:>11} {:>11} ... {:<10} {:<{}} {}{}\n", e.parameter, width, shown(e.value),
                         shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
                         unit_width, Meaning(result, e.parameter),
-                        !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
-                        : trusted                      ? ""
+                        !result.trust.rate.fast_enough
+                            ? fmt::format("; NOT TO BE TRUSTED: {}", result.trust.rate.why.english)
+                        : trusted ? ""
                                   : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
   const DisplayUnit unit = OutputUnit(result.log.machine);
