@@ -222,17 +222,15 @@ const SignalNoise* SignalWithBursts(const ModelStructure& model, const FloorTrus
 }
 
 void DescribeBursts(const SignalNoise& signal, SamplingRate& rate) {
-  const DisplayUnit shown = DisplayUnitFor(signal.unit);
-  const std::string unit = shown.name.empty() ? signal.unit : std::string(shown.name);
   rate.why = Tell("noise of {} in bursts, or sampled too slowly",
                   "Rauschen von {} in Stößen, oder zu langsam abgetastet", signal.name);
   rate.sentence = Tell(
-      "noise of {} comes in bursts, or rows every {} are too slow for what it does: from row to row it scatters by {:.2g} {}, by "
-      "{:.2g} {} where it is quiet; see to its cable and sensor, or record rows every {} or faster",
+      "noise of {} comes in bursts, or rows every {} are too slow for what it does: from row to row it scatters by {}, by "
+      "{} where it is quiet; see to its cable and sensor, or record rows every {} or faster",
       "das Rauschen von {} kommt in Stößen, oder eine Zeile alle {} ist zu langsam für das, was es tut: von Zeile zu Zeile streut es "
-      "um {:.2g} {}, um {:.2g} {}, wo es ruhig ist; Kabel und Sensor prüfen, oder eine Zeile alle {} oder schneller aufzeichnen",
-      signal.name, RowsEvery(rate.period), signal.std * shown.factor, unit, signal.quiet_std * shown.factor,
-      unit, RowsEvery(rate.needed_period));
+      "um {}, um {}, wo es ruhig ist; Kabel und Sensor prüfen, oder eine Zeile alle {} oder schneller aufzeichnen",
+      signal.name, RowsEvery(rate.period), WithUnit(signal.std, signal.unit),
+      WithUnit(signal.quiet_std, signal.unit), RowsEvery(rate.needed_period));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ struct SamplingRateOptions {
   /// Otherwise a contrast beyond this share of a signal's own range is not taken for sensor noise.
   double noise_of_range = 0.05;
   /// Scatter beyond the quiet rows may be noise in bursts where all rows have more than this energy, in that of the quiet ones, and
-  /// what is more grows by less than this from single rows to pairs: 0.7 to 1.5 of few bursts (sampling_rate_test.cc), motion 8.
+  /// what is more grows by less than this from single rows to pairs: 0.6 to 1.5 of few bursts (sampling_rate_test.cc), motion alone 8.
   double burst_energy = 2, burst_growth = 1.5;
 };
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "estimation/noisy_log_fixture.h"
 
 namespace hydroscope {
@@ -10,10 +12,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-SamplingRate RateOf(const JudgedLog& log) {
+SamplingRate RateOf(const JudgedLog& log, const FloorTrust& trust) {
   const auto fit = FitBaseModel(*log.model, log.grams, log.window);
-  return JudgeSamplingRate(*log.model, log.strokes, log.window, fit->theta, log.Judge(), fit->noise_floor);
+  return JudgeSamplingRate(*log.model, log.strokes, log.window, fit->theta, trust, fit->noise_floor);
 }
+SamplingRate RateOf(const JudgedLog& log) { return RateOf(log, log.Judge()); }
 
 TEST(SamplingRate, IsEnoughFor500And250And100HzWhateverTheNoise) {
   for (const int every : {1, 2, 5})
@@ -31,20 +34,33 @@ TEST(SamplingRate, IsEnoughAt500HzUnderNoiseThatAFilterHasPassed) {
   }
 }
 
-/// Where bursts leave open what they are, the rows are not blamed alone.
-TEST(SamplingRate, IsNotBlamedForNoiseThatComesInBursts) {
-  int fast_enough = 0;
-  for (const std::size_t rows : {50u, 1000u})
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const SamplingRate rate = RateOf(LogWith(seed, Bursts(rows, 15), 1, 2));
-      fast_enough += rate.fast_enough;
-      EXPECT_TRUE(rate.fast_enough || rate.sentence.english.find(
-                                          "in bursts, or rows every 4 ms are too slow") != std::string::npos)
-          << rows << " " << seed << ": " << rate.sentence.english;
-      EXPECT_EQ(rate.why.english.find("in bursts, or sampled too slowly") == std::string::npos,
-                rate.fast_enough);
-    }
-  EXPECT_GE(fast_enough, 2);
+TEST(SamplingRate, IsEnoughAt250HzUnderNoiseThatComesInBursts) {
+  for (const std::uint64_t seed : {2, 3}) {
+    const JudgedLog log = LogWith(seed, Bursts(500, 20), 1, 2);
+    FloorTrust trust = log.Judge();
+    const SamplingRate rate = RateOf(log, trust);
+    EXPECT_TRUE(rate.fast_enough) << seed << ": " << rate.sentence.english;
+    for (SignalNoise& signal : trust.signals) signal.loud_growth = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(RateOf(log, trust).fast_enough) << seed << ": nor with the noise of quiet rows alone";
+  }
+}
+
+/// Few short bursts leave open what they are: the rows are not blamed alone.
+TEST(SamplingRate, IsNotBlamedAloneForFewShortBursts) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const JudgedLog log = LogWith(seed, Bursts(50, 15), 1, 2);
+    for (const SignalNoise& signal : log.Judge().signals)
+      if (signal.name == "p_A") {
+        EXPECT_GT(signal.loud_growth, 0.6) << seed;
+        EXPECT_LT(signal.loud_growth, SamplingRateOptions{}.burst_growth) << seed;
+      } else if (signal.name == "y_v") {  // moves within 4 ms by more than it scatters
+        EXPECT_GT(signal.loud_growth, 4) << seed;
+      }
+    const SamplingRate rate = RateOf(log);
+    EXPECT_FALSE(rate.fast_enough) << seed;
+    EXPECT_THAT(rate.sentence.english, HasSubstr("in bursts, or rows every 4 ms are too slow")) << seed;
+    EXPECT_THAT(rate.why.english, HasSubstr("in bursts, or sampled too slowly")) << seed;
+  }
 }
 
 TEST(SamplingRate, IsTooLowAt20And10HzWhateverTheNoise) {

@@ -124,13 +124,6 @@ struct Corners {
   }
 };
 
-Told WithUnit(double si, const std::string& unit) {
-  const DisplayUnit shown = unit == "K" ? DisplayUnit{1, 0, "K"} : DisplayUnitFor(unit);
-  return TellNumber(fmt::format("{}{}{}", ShortNumber(si * shown.factor),
-                                shown.name == "1" || shown.name.empty() ? "" : " ",
-                                shown.name == "1" ? "" : shown.name));
-}
-
 Told Milliseconds(double s) { return TellNumber(ShortNumber(1e3 * s) + " ms"); }
 
 /// From the 5 % to the 95 % quantile.
@@ -250,6 +243,13 @@ void JudgeContrasts(const RowContrasts& contrasts, double period, const SignalNo
 }
 
 }  // namespace
+
+Told WithUnit(double si, const std::string& unit) {
+  const DisplayUnit shown = unit == "K" ? DisplayUnit{1, 0, "K"} : DisplayUnitFor(unit);
+  return TellNumber(fmt::format("{}{}{}", ShortNumber(si * shown.factor),
+                                shown.name == "1" || shown.name.empty() ? "" : " ",
+                                shown.name == "1" ? "" : shown.name));
+}
 
 const char* NoiseKindName(NoiseKind kind) {
   switch (kind) {

@@ -33,7 +33,7 @@ struct SignalNoise {
   double std = 0;        ///< SI, from + - - + over neighbouring rows, all rows: what the floor goes by
   double quiet_std = 0;  ///< SI, the same where the signal moves least
   /// What all rows have beyond the quiet ones: its energy over pairs of rows against single rows. White noise that comes in
-  /// bursts 1, motion 8 and more; NaN where there is no more.
+  /// bursts about 1, motion alone 8 and more; NaN where there is no more.
   double loud_growth = std::numeric_limits<double>::quiet_NaN();
   bool seen_at_rest = true;  ///< the signal moves, but not always: `quiet_std` is that of its noise
   double ratio = 1;  ///< energy over pairs of rows against single rows where the signal moves least ...
@@ -84,6 +84,9 @@ struct SignalNoiseOptions {
   double motion_share = 1.075;
   int chunks = 16;  ///< of time, the independent units
 };
+
+/// "1.2 bar"; units as people read them, differences of temperature in K.
+Told WithUnit(double si, const std::string& unit);
 
 /// Judges one signal over the strokes of a log; `period` in s. `stated`: SI, NaN if the machine file says
 /// nothing. Fills everything but `share`.
