@@ -50,13 +50,15 @@ alive() {
 # so that a machine with much to do may take minutes.
 wait_for() {
   local seconds=400 told="" line=""
-  for ((i = 0; i < 2 * seconds; ++i)); do
+  for ((i = 0; i < seconds; ++i)); do
     alive "$service" "The service" press.service.txt
     alive "$press" "The press" press.machine.txt
     if "$@"; then return; fi
-    line=$(whole status --db "$out/press.db" 2>/dev/null | grep -m1 '^health') || true
-    if [[ $line != "$told" ]] && ((i % 10 == 0)); then echo "  $line"; told=$line; fi
-    sleep 0.5
+    if ((i % 5 == 0)); then
+      line=$(whole status --db "$out/press.db" 2>/dev/null | grep -m1 '^health') || true
+      if [[ $line != "$told" ]]; then echo "  $line"; told=$line; fi
+    fi
+    sleep 1
   done
   echo "nothing came within $seconds s; the service said at last:" >&2
   tail -5 "$out/press.service.txt" >&2

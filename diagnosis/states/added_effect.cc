@@ -26,6 +26,11 @@ void AddedEffect::AddDraw(const Eigen::VectorXd& parameters) {
   draws_.push_back(RegistersOf(with_, parameters));
 }
 
+void AddedEffect::SetDraw(const Eigen::VectorXd& parameters) {
+  draws_.clear();
+  AddDraw(parameters);
+}
+
 void AddedEffect::Values(const double* x, const double* u, double* out) {
   Run(near_, own_, x, u);
   for (Registers& draw : draws_) {

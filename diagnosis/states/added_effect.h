@@ -14,6 +14,8 @@ class AddedEffect {
   AddedEffect(const StateModel& near, const StateModel& with, const Eigen::VectorXd& own);
   /// Parameters of `with`.
   void AddDraw(const Eigen::VectorXd& parameters);
+  /// In place of all draws so far.
+  void SetDraw(const Eigen::VectorXd& parameters);
 
   /// Equations that it adds to: states first, then states + output.
   const std::vector<int>& equations() const { return equations_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 
 #include "diagnosis/states/added_effect.h"
@@ -43,11 +44,10 @@ RunRows RowsOf(const StateCandidate& candidate, std::span<const Episode> episode
   return out;
 }
 
-/// Terms that the effects of `with` add to each equation of `near`, over the size of its rate: row x equation.
-RowMatrix TermsAt(const StateModel& near, const StateModel& with, const Eigen::VectorXd& parameters,
-                  const RunRows& rows) {
-  AddedEffect effect(near, with, parameters.head(near.parameter_count()));
-  effect.AddDraw(parameters);
+/// Terms that effects of the model with them, whose parameters are given, add to each equation, over the size of its rate: row x
+/// equation.
+RowMatrix TermsAt(AddedEffect& effect, const Eigen::VectorXd& parameters, const RunRows& rows) {
+  effect.SetDraw(parameters);
   RowMatrix out = RowMatrix::Zero(static_cast<Eigen::Index>(rows.states.size()), rows.size.size());
   std::vector<double> values(effect.equations().size());
   for (std::size_t r = 0; r < rows.states.size(); ++r) {
@@ -58,6 +58,13 @@ RowMatrix TermsAt(const StateModel& near, const StateModel& with, const Eigen::V
     }
   }
   return out;
+}
+
+/// The same of the effects that `with` has and `near` lacks.
+RowMatrix TermsAt(const StateModel& near, const StateModel& with, const Eigen::VectorXd& parameters,
+                  const RunRows& rows) {
+  AddedEffect effect(near, with, parameters.head(near.parameter_count()));
+  return TermsAt(effect, parameters, rows);
 }
 
 /// Those of a model whose parameters a fit of more effects has.
@@ -80,15 +87,16 @@ class NearestLawSearch {
  public:
   NearestLawSearch(const StateModel& near, const StateCandidate& found, const StateModel& with,
                    std::span<const Episode> episodes, const NearestLawOptions& options)
-      : near_(near), with_(with), scale_(with), options_(options) {
+      : with_(with), scale_(with), options_(options) {
     std::int64_t rows = 0;
     for (const Episode& episode : episodes) rows += episode.rows();
     rows_ = RowsOf(found, episodes, static_cast<int>(std::max<std::int64_t>(1, rows / options.rows)));
     wanted_ = TermsAt(near, *found.fit.model, found.fit.parameters, rows_);
     TakeKnown(found.fit);
+    effect_.emplace(near, with, first_.head(near.parameter_count()));
   }
 
-  std::optional<NearestLaw> Run() const {
+  std::optional<NearestLaw> Run() {
     if (!(wanted_.norm() > 0)) return std::nullopt;
     std::mt19937 random(options_.seed);
     std::vector<std::pair<double, Eigen::VectorXd>> draws = {{Unlike(first_), first_}};
@@ -134,17 +142,17 @@ class NearestLawSearch {
   }
 
   /// 1 less the squared correlation of terms: how far they would be apart if they could be scaled.
-  double Unlike(const Eigen::VectorXd& parameters) const {
-    const RowMatrix terms = TermsAt(near_, with_, parameters, rows_);
+  double Unlike(const Eigen::VectorXd& parameters) {
+    const RowMatrix terms = TermsAt(*effect_, parameters, rows_);
     const double both = terms.cwiseProduct(wanted_).sum(), size = terms.squaredNorm();
     const double unlike = both > 0 ? 1 - both * both / (size * wanted_.squaredNorm()) : 1;
     return std::isfinite(unlike) ? unlike : 1;
   }
 
-  RowMatrix Difference(const Eigen::VectorXd& parameters) const {
-    return (TermsAt(near_, with_, parameters, rows_) - wanted_) / wanted_.norm();
+  RowMatrix Difference(const Eigen::VectorXd& parameters) {
+    return (TermsAt(*effect_, parameters, rows_) - wanted_) / wanted_.norm();
   }
-  double Apart(const Eigen::VectorXd& parameters) const {
+  double Apart(const Eigen::VectorXd& parameters) {
     const double norm = Difference(parameters).norm();
     return std::isfinite(norm) ? norm : std::numeric_limits<double>::infinity();
   }
@@ -158,7 +166,7 @@ class NearestLawSearch {
   }
 
   /// Differences by the effects' own parameters, scaled.
-  Eigen::MatrixXd Slopes(const Eigen::VectorXd& from, const Eigen::VectorXd& scaled) const {
+  Eigen::MatrixXd Slopes(const Eigen::VectorXd& from, const Eigen::VectorXd& scaled) {
     constexpr double kStep = 1e-6;
     const RowMatrix here = Difference(Parameters(from, scaled));
     Eigen::MatrixXd slopes(here.size(), scaled.size());
@@ -172,7 +180,7 @@ class NearestLawSearch {
   }
 
   /// The nearest from a draw by Levenberg and Marquardt's method, inside the ranges.
-  Eigen::VectorXd Sought(const Eigen::VectorXd& from) const {
+  Eigen::VectorXd Sought(const Eigen::VectorXd& from) {
     constexpr double kLeastDamping = 1e-9, kMostDamping = 1e9, kFactor = 10;
     const auto count = static_cast<Eigen::Index>(own_.size());
     Eigen::VectorXd scaled(count), low(count), high(count);
@@ -205,14 +213,14 @@ class NearestLawSearch {
     return Parameters(from, scaled);
   }
 
-  const StateModel& near_;
   const StateModel& with_;
   shooting::ParameterScale scale_;
   const NearestLawOptions& options_;
   RunRows rows_;
   RowMatrix wanted_;
   Eigen::VectorXd first_;
-  std::vector<int> own_;  ///< parameters that `found` does not have
+  std::vector<int> own_;               ///< parameters that `found` does not have
+  std::optional<AddedEffect> effect_;  ///< of `with`; the other parameters stay as they are
 };
 
 }  // namespace

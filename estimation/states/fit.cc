@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "estimation/states/beginnings.h"
 #include "estimation/states/evidence.h"
@@ -15,8 +16,11 @@
 namespace hydroscope {
 namespace {
 
-/// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges.
-shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, const StateFitOptions& options) {
+/// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges; nothing
+/// where segments err far more than the best runs so far, of cost `least`: joints that give way lower what a minimum costs, so that
+/// the runs would end in a worse one.
+std::optional<shooting::Point> Shot(shooting::Task task, const Eigen::VectorXd& parameters, double least,
+                                    const StateFitOptions& options) {
   constexpr double kSoft = 0.1, kStiff = 0.01;
   shooting::Point shot = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> segments =
@@ -27,7 +31,9 @@ shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, con
     task.joint = joint;
     if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
                             shot))
-      return {};
+      return shooting::Point{};
+    if (options.until_white && (shot.converged || joint == kStiff) && shot.cost > options.far_worse * least)
+      return std::nullopt;
   }
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   shooting::Point point = shot;
@@ -39,11 +45,14 @@ shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, con
   return point;
 }
 
-/// A start fitted with short segments first; where that ends above `enough`, as one run alone too: the better.
-shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double enough,
+/// A start fitted with short segments first; where that ends clearly above the `least` cost of those before, infinite for the
+/// first, as one run alone too: the better. Not valid where the model diverges or ends in a far worse minimum.
+shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double least,
                           const StateFitOptions& options) {
-  shooting::Point best = Shot(task, parameters, options);
-  if (best.valid && best.cost <= enough) return best;
+  std::optional<shooting::Point> shot = Shot(task, parameters, least, options);
+  if (!shot) return {};
+  shooting::Point best = std::move(*shot);
+  if (best.valid && std::isfinite(least) && best.cost <= (1 + options.same_minimum) * least) return best;
   shooting::Point alone = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   shooting::GuessSegments(task, whole, alone);
@@ -313,8 +322,7 @@ MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>&
   for (const Eigen::VectorXd& start : starts) {
     ++search.tried;
     task.effort->spent = 0;
-    const double beaten = search.minima.empty() ? 0 : (1 + options.same_minimum) * least;
-    shooting::Point point = FromStart(task, start, beaten, options);
+    shooting::Point point = FromStart(task, start, least, options);
     if (!point.valid) {
       ++search.diverged;
       continue;
@@ -431,7 +439,7 @@ std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
                                      const StateFitOptions& options) {
   const std::vector<Episode> few = shooting::FirstRows(episodes, options.start_rows);
   const shooting::Task task = shooting::TaskOf(model, few);
-  const shooting::Point shot = Shot(task, parameters, options);
+  const shooting::Point shot = Shot(task, parameters, kInfinity, options).value();
   if (!shot.valid) return std::nullopt;
   shooting::Task all = task;
   all.episodes = episodes;

@@ -21,8 +21,11 @@ struct StateFitOptions {
   double at_noise = 1.1;
   /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.
   double most_effort = 8;
-  bool until_white = false;    ///< no further start is tried once one leaves white noise ...
-  int until_agreed = 0;        ///< ... or so many end in the best minimum; 0: all are tried
+  bool until_white =
+      false;  ///< the best minimum alone is asked for: no further start once one leaves white noise,
+  double far_worse =
+      2;  ///< ... none is taken on whose short segments cost so much more than the best one's runs,
+  int until_agreed = 0;  ///< ... and no further one once so many end in the best minimum; 0: all are tried
   Eigen::VectorXd ended = {};  ///< parameters that an earlier start ended with; empty: none is known
   int polished = 2;            ///< minima that are fitted to all rows
   int iterations = 60;         ///< of the last fit
@@ -78,7 +81,7 @@ struct StateFit {
   std::vector<UnseenDirection> unseen;
   std::vector<bool> at_limit;  ///< per parameter: stands at a limit of its range
   int starts_tried = 0;
-  int starts_diverged = 0;  ///< ... or given up because their runs cost far more than others'
+  int starts_diverged = 0;  ///< ... or given up (StateFitOptions::most_effort, far_worse)
 
   bool solved() const { return failed.empty(); }
   int readings() const;

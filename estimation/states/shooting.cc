@@ -284,6 +284,7 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   point.valid = summary.termination_type != ceres::FAILURE;
+  point.converged = summary.termination_type == ceres::CONVERGENCE;
   point.cost = summary.final_cost;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const std::vector<int> which = FreeStates(*task.model, segments[s]);

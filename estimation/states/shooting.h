@@ -104,6 +104,7 @@ struct Point {
   std::vector<std::vector<double>> z;  ///< per segment: all states over their scale
   double cost = 0;                     ///< half the sum of squares
   bool valid = false;
+  bool converged = false;  ///< to the tolerance, in fewer iterations than it might have taken
 };
 
 /// States whose initial value is free in a segment.
