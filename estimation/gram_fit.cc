@@ -156,12 +156,11 @@ Eigen::VectorXd SolveIn(const NormalEquations& equations) {
   const Eigen::LDLT<Matrix> factor(Matrix(scale.asDiagonal() * equations.h * scale.asDiagonal()));
   // A pivot is the share of a regressor the others do not explain; the condition passes over pivots of exactly zero. No entry of L
   // is above one, nor of the scaled matrix: the condition is no worse than the least pivot over n 4^n.
-  constexpr double kRounding = 1e-13;
   const double least = factor.vectorD().minCoeff();
-  if (factor.info() != Eigen::Success || !(least > kRounding)) return {};
+  if (factor.info() != Eigen::Success || !(least > kLeastCondition)) return {};
   const auto n = static_cast<double>(scale.size());
-  const bool certain = least > kRounding * n * std::pow(4.0, n);
-  if (!certain && factor.rcond() < kRounding) return {};
+  const bool certain = least > kLeastCondition * n * std::pow(4.0, n);
+  if (!certain && factor.rcond() < kLeastCondition) return {};
   return scale.asDiagonal() * factor.solve(scale.asDiagonal() * equations.g);
 }
 

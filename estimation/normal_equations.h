@@ -15,6 +15,10 @@ struct NormalEquations {
   NormalEquations& operator-=(const NormalEquations& other);
 };
 
+/// Condition of regressors scaled to a unit diagonal, and least share of one that the others do not explain, down to which their
+/// equations have a solution: some hundred times the rounding of double precision.
+inline constexpr double kLeastCondition = 1e-13;
+
 /// Least squares with the regressors scaled to unit diagonal; empty if the regressors are not independent.
 Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations);
 
