@@ -81,9 +81,7 @@ Eigen::VectorXd SolveWithoutOne(const StrokeForms& clean, const Eigen::MatrixXd&
 
 /// The n - 1 larger eigenvalues of a matrix with a unit diagonal have a product below e (their mean is at most n / (n - 1)), so that
 /// its determinant over e is below the least one: such a condition is far from what SolveNormalEquations refuses.
-bool IsCertain(double determinant, int n) {
-  return determinant > kLeastCondition * std::numbers::e * n * n;
-}
+bool IsCertain(double determinant, int n) { return determinant > kLeastCondition * std::numbers::e * n * n; }
 
 }  // namespace
 

@@ -24,12 +24,14 @@ FirstStrokes::FirstStrokes(const Machine& machine)
     : strokes_(machine, KeepSamples::kYes), tap_(strokes_.Tap()), sink_(strokes_.Sink()) {}
 
 void FirstStrokes::AddStretch(const Stretch& stretch, const SpanEquations& equations) {
-  if (taken_ < kStrokesJudged) tap_(stretch, equations);
+  if (!complete()) tap_(stretch, equations);
 }
 
 void FirstStrokes::AddStroke(const StrokeRecord& record) {
   if (taken_++ < kStrokesJudged) sink_(StrokeRecord(record));
 }
+
+bool FirstStrokes::complete() const { return taken_ >= kStrokesJudged; }
 
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
   if (InEpisodes(KindOf(machine))) return LogTrust{};  // which are not filtered
@@ -43,11 +45,7 @@ Result<LogStrokes> FirstStrokesOf(LogReader& reader, const Machine& machine) {
   pipeline->set_tap(
       [&](const Stretch& stretch, const SpanEquations& equations) { first.AddStretch(stretch, equations); });
   SampleBlock block;
-  for (;;) {
-    const auto rows = TRY(reader.Read(block, kRowsAtATime));
-    if (rows == 0) break;
-    pipeline->Process(block);
-  }
+  while (!first.complete() && TRY(reader.Read(block, kRowsAtATime)) > 0) pipeline->Process(block);
   pipeline->Finish();
   return first.Finish(*pipeline);
 }

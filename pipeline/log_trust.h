@@ -36,6 +36,8 @@ class FirstStrokes {
   /// For the pipeline's tap and its sink.
   void AddStretch(const Stretch& stretch, const SpanEquations& equations);
   void AddStroke(const StrokeRecord& record);
+  /// Whether no further one is taken.
+  bool complete() const;
   /// Once, when the pipeline has finished.
   LogStrokes Finish(const Pipeline& pipeline) { return strokes_.Finish(pipeline); }
 
@@ -46,7 +48,7 @@ class FirstStrokes {
   int taken_ = 0;
 };
 
-/// The first strokes of rows that carry their flags already, such as those of a raw window.
+/// The first strokes of rows that carry their flags already, such as those of a raw window; rows behind them are not read.
 Result<LogStrokes> FirstStrokesOf(LogReader& reader, const Machine& machine);
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine);
 

@@ -79,7 +79,7 @@ class RawReader : public LogReader {
       const double end = std::min(to_, at_ + kSecondsAtOnce);
       window_ = TRY(database_.LoadRaw(run.run, at_, end));
       next_ = 0;
-      at_ = end;
+      at_ = window_.time.empty() ? TRY(database_.NextRaw(run.run, end)) : end;  // rows may be kept days apart
     }
     return {};
   }

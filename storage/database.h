@@ -203,6 +203,8 @@ class Database {
                   const std::vector<std::vector<double>>& values, std::int64_t max_bytes);
   /// Rows of the raw window with from <= time < to; empty if none is kept.
   Result<RawWindow> LoadRaw(std::int64_t run, double from, double to) const;
+  /// From when on, at `from` or later, the raw window may have rows again, s; infinity: it has none.
+  Result<double> NextRaw(std::int64_t run, double from) const;
 
   /// Steps of several runs of the live service, in order, in one transaction: all is stored or nothing, and pages
   /// they share are written once. Strokes as by StoreStrokes; raw rows must lie behind those the run has.

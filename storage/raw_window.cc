@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/constants.h"
 #include "storage/blobs/raw_codec.h"
 #include "storage/connection.h"
 #include "storage/database.h"
@@ -164,13 +165,27 @@ Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& sign
   });
 }
 
+namespace {
+
+/// Where the first chunk begins that has rows at `from` or later, infinite if there is none. Chunks of a run do not overlap.
+double ChunkFrom(Connection& connection, std::int64_t run, double from) {
+  Query query(connection,
+              "SELECT first_s FROM raw_chunk WHERE run = ?1 AND last_s >= ?2 AND first_s >= coalesce((SELECT "
+              "max(first_s) FROM raw_chunk WHERE run = ?1 AND first_s <= ?2), ?2) ORDER BY first_s LIMIT 1",
+              run, from);
+  return query.Step() ? query.Real(0) : kInfinity;
+}
+
+}  // namespace
+
 Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<RawWindow> {
     TRY(impl_->FindRun(run));
-    Query query(*impl_,
-                "SELECT first_s, rows, signals, samples, flags FROM raw_chunk WHERE run = ? AND last_s >= ? "
-                "AND first_s < ? ORDER BY first_s",
-                run, from, to);
+    Query query(
+        *impl_,
+        "SELECT first_s, rows, signals, samples, flags FROM raw_chunk WHERE run = ? AND first_s >= ? AND "
+        "first_s < ? ORDER BY first_s",
+        run, ChunkFrom(*impl_, run, from), to);
     RawWindow window;
     while (query.Step()) {
       const std::vector<std::string> signals = Split(query.Text(2));
@@ -204,6 +219,11 @@ Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) co
     }
     return window;
   });
+}
+
+Result<double> Database::NextRaw(std::int64_t run, double from) const {
+  return Guarded(impl_->path, &impl_->db,
+                 [&]() -> Result<double> { return std::max(from, ChunkFrom(*impl_, run, from)); });
 }
 
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/constants.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -46,6 +47,23 @@ TEST(RawWindow, SamplesComeBackToTheBitNaNIncluded) {
   EXPECT_OK(Store(press.database, run.id, MakeRaw(0, 2500), kPlenty));
   EXPECT_OK(Store(press.database, run.id, MakeRaw(2500, 2600), kPlenty));
   ExpectSame(Value(press.database.LoadRaw(run.id, 0, 1e9)), MakeRaw(0, 2600));
+}
+
+TEST(RawWindow, WhereRowsAreKeptAgainIsFoundAcrossTimesWithoutAny) {
+  const Folder folder;
+  Press press(folder.File());
+  const auto run = press.Begin("a.csv");
+  constexpr std::int64_t kLater = 1'000'000'000;  // rows of 1 ms
+  EXPECT_OK(Store(press.database, run.id, MakeRaw(1000, 4000), kPlenty));
+  EXPECT_OK(Store(press.database, run.id, MakeRaw(kLater, kLater + 10), kPlenty));
+  const auto next = [&](double from) { return Value(press.database.NextRaw(run.id, from)); };
+  EXPECT_EQ(next(0), 0.001 * 1000);
+  EXPECT_EQ(next(2.5), 2.5) << "in the midst of rows";
+  EXPECT_EQ(next(4), 0.001 * kLater);
+  EXPECT_EQ(next(0.001 * kLater), 0.001 * kLater);
+  EXPECT_EQ(next(0.001 * kLater + 1), kInfinity);
+  EXPECT_EQ(Value(press.database.NextRaw(run.id + 1, 0)), kInfinity);
+  EXPECT_EQ(Value(press.database.LoadRaw(run.id, 3.9, 2e6)).time.size(), 110u) << "100 before, 10 after";
 }
 
 TEST(RawWindow, APieceOfTimeIsCutExactly) {
