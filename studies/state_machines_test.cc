@@ -301,6 +301,29 @@ TEST(StateMachines, OutputsThatAreNewerThanInputsAreNoLawThatIsMissing) {
   EXPECT_EQ(stated->explanation.verdict, Verdict::kUnknown);
 }
 
+/// A sensor's zero that the file lacks covers what else is missing: it is taken, alone it is no all-clear.
+TEST(StateMachines, TheZeroOfASensorThatTheFileLacksHidesNoSpring) {
+  EpisodeLog log;
+  log.machine = StatesMachine(StateMachineKind::kOscillator, "");
+  StatesSpec& states = log.machine.states;
+  states.outputs.front().expression = "gain*x";
+  std::erase_if(states.parameters, [](const ParameterSpec& parameter) { return parameter.name == "zero"; });
+  for (const std::string hidden : {"coulomb", ""}) {
+    log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, hidden, 6, 1000}), log.machine)};
+    auto readings = log.episodes.front().signal.col(1);
+    readings.array() += 0.3 * readings.norm() / std::sqrt(static_cast<double>(readings.size()));
+    const auto explained = ExplainReadEpisodes(log);
+    ASSERT_TRUE(explained) << explained.error().text;
+    const StatesExplanation& x = explained->explanation;
+    EXPECT_EQ(x.verdict, hidden.empty() ? Verdict::kUnknown : Verdict::kNamed);
+    EXPECT_EQ(x.set, hidden.empty() ? std::vector<std::string>{} : std::vector{hidden});
+    EXPECT_THAT(ExplainText(*explained), testing::HasSubstr("the zero of a sensor"));
+  }
+  const auto fit = FitEpisodes(log);
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_FALSE(fit->left.structured);
+}
+
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {
   const auto machine = ParseMachine(ExampleOfTheDocs(), "state_models.md");
   ASSERT_TRUE(machine) << machine.error().text;

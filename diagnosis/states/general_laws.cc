@@ -43,10 +43,11 @@ double EquationSize(const StateFit& rest, std::span<const Episode> episodes, con
 /// A machine with effects of general shape in some of its equations.
 class GeneralLaws {
  public:
-  /// In each of the equations, and in all of them; `about`: the fit that variables and rates are scaled by. `on_both_sides`: two
-  /// hinges, too. A dead band and what saturates are those with a parameter less, so they are for comparisons that need a margin.
-  GeneralLaws(const Machine& machine, const std::vector<std::string>& equations, const StateFit& about,
-              std::span<const Episode> episodes, bool on_both_sides);
+  /// In each of the equations, and in all of them, and in `further` alone ("": none); `about`: the fit that variables and rates are
+  /// scaled by. `on_both_sides`: two hinges, too. A dead band and what saturates are those with a parameter less, so they are for
+  /// comparisons that need a margin.
+  GeneralLaws(const Machine& machine, const std::vector<std::string>& equations, const std::string& further,
+              const StateFit& about, std::span<const Episode> episodes, bool on_both_sides);
 
   const Machine& machine() const { return machine_; }
   const std::vector<GeneralLaw>& laws() const { return laws_; }
@@ -64,13 +65,16 @@ class GeneralLaws {
   std::vector<GeneralLaw> laws_;
 };
 
-GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>& in, const StateFit& about,
-                         std::span<const Episode> episodes, bool on_both_sides)
+GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>& in,
+                         const std::string& further, const StateFit& about, std::span<const Episode> episodes,
+                         bool on_both_sides)
     : machine_(machine) {
   std::vector<Equation> equations;
   for (const std::string& name : in)
     if (const double size = EquationSize(about, episodes, name); size > 0) equations.push_back({name, size});
-  if (equations.empty()) return;
+  const double further_size =
+      further.empty() || Contains(in, further) ? 0 : EquationSize(about, episodes, further);
+  if (equations.empty() && further_size == 0) return;
   const StateModel& model = *about.model;
   const int variables = model.states() + static_cast<int>(model.inputs.size());
   for (int v = 0; v < variables; ++v) {
@@ -93,6 +97,7 @@ GeneralLaws::GeneralLaws(const Machine& machine, const std::vector<std::string>&
       const std::string term = fmt::format(fmt::runtime(shape), z);
       for (const Equation& equation : equations) Add({equation}, term, formula);
       if (equations.size() > 1) Add(equations, term, formula);
+      if (further_size > 0) Add({{further, further_size}}, term, formula);
     }
   }
 }
@@ -195,8 +200,9 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
   const StatesExplanation& out = found.out;
   const StateCandidate& rest = out.final.added.size() == 1 ? out.base : found.Without(effect);
   if (!rest.fitted()) return {};
-  const GeneralLaws general(found.machine, EquationsOf(found.machine, {&effect, 1}), rest.fit, found.episodes,
-                            out.final_left.structured);
+  // What is left tells where another law stands that the effect imitates from its own equation.
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, {&effect, 1}), out.final_left.about,
+                            rest.fit, found.episodes, out.final_left.structured);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
   std::vector<std::string> alone = found.machine.added_effects;
   alone.push_back(effect);
@@ -217,7 +223,7 @@ std::optional<Told> BetterGeneralLaw(FoundSets& found, const std::string& effect
 
 std::optional<Told> GeneralLawInPlaceOfAll(FoundSets& found) {
   const StatesExplanation& out = found.out;
-  const GeneralLaws general(found.machine, EquationsOf(found.machine, out.final.added), out.base.fit,
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, out.final.added), "", out.base.fit,
                             found.episodes, true);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, out.base);
   const std::vector<LawContender> laws = ContendersBeside(out.base, general, fits);
@@ -232,7 +238,7 @@ std::optional<Told> GeneralLawInPlaceOfAll(FoundSets& found) {
 std::optional<LawBeside> FindLawBeside(FoundSets& found) {
   const StateCandidate& set = found.out.final;
   std::optional<LawBeside> best;
-  const GeneralLaws general(found.machine, EquationsOf(found.machine, set.added), set.fit, found.episodes,
+  const GeneralLaws general(found.machine, EquationsOf(found.machine, set.added), "", set.fit, found.episodes,
                             true);
   const CandidateFits fits(general.machine(), found.episodes, found.starts_on, found.options, found.out.base);
   const std::vector<LawContender> laws = ContendersBeside(set, general, fits);

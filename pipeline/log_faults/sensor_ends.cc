@@ -18,6 +18,10 @@ constexpr std::size_t kOverAnyOther = 4;
 constexpr double kShareAtEnd = 0.5;
 /// What settles at a value comes to it gently, what is cut off at its own pace: of that the last two steps together.
 constexpr double kPaceAtEnd = 0.5;
+/// Readings before such a pile that tell whether noise scatters them.
+constexpr std::size_t kRowsBefore = 12;
+/// Correlation of third differences with the next ones: -3/4 of white noise (-15/20, binomial coefficients), 1 of smooth motion.
+constexpr double kOfNoise = -0.4;
 
 double MiddleStep(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -44,6 +48,38 @@ double StepsInto(const std::vector<double>& x, double end) {
   return MiddleStep(std::move(steps));
 }
 
+/// Whether noise of more than a converter's step scatters the readings before a run of readings at `end`: at rest it would scatter
+/// them too, and none would repeat.
+bool NoiseScattersInto(const std::vector<double>& x, double end, double converter_step) {
+  double squares = 0, products = 0, count = 0;
+  for (std::size_t row = kRowsBefore; row < x.size(); ++row) {
+    if (x[row] != end || x[row - 1] == end) continue;
+    double before = NAN;
+    for (std::size_t k = row - kRowsBefore; k + 3 < row; ++k) {
+      const bool whole = std::none_of(
+          x.begin() + static_cast<std::ptrdiff_t>(k), x.begin() + static_cast<std::ptrdiff_t>(k + 4),
+          [end](double reading) { return reading == end || !std::isfinite(reading); });
+      const double third = whole ? x[k + 3] - 3 * (x[k + 2] - x[k + 1]) - x[k] : NAN;
+      if (std::isfinite(third) && std::isfinite(before)) {
+        squares += third * third;
+        products += third * before;
+        ++count;
+      }
+      before = third;
+    }
+  }
+  constexpr double kThirdOfWhite = 20;  // variance of third differences over that of white noise
+  return squares > kThirdOfWhite * count * converter_step * converter_step && products < kOfNoise * squares;
+}
+
+/// Least distance between readings that differ.
+double ConverterStep(const std::map<double, std::size_t>& counts) {
+  double least = INFINITY;
+  for (auto next = std::next(counts.begin()); next != counts.end(); ++next)
+    least = std::min(least, next->first - std::prev(next)->first);
+  return least;
+}
+
 /// `sign` -1: the lower end.
 std::optional<SensorEnd> EndOf(const std::vector<double>& x, double sign) {
   std::map<double, std::size_t> counts;
@@ -59,7 +95,9 @@ std::optional<SensorEnd> EndOf(const std::vector<double>& x, double sign) {
       })->second;
   if (at < kOverAnyOther * other) return std::nullopt;
   const double step = StepOfARow(x);
-  if (StepsInto(x, sign * end) < kPaceAtEnd * step) return std::nullopt;
+  if (StepsInto(x, sign * end) < kPaceAtEnd * step &&
+      !NoiseScattersInto(x, sign * end, ConverterStep(counts)))
+    return std::nullopt;
   std::size_t before = 0;
   for (auto near = counts.lower_bound(end - step); near != counts.end(); ++near) before += near->second;
   before -= at;

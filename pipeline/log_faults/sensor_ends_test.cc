@@ -79,6 +79,22 @@ TEST(SensorEnds, WhatSettlesAtAValueIsNoEnd) {
   EXPECT_TRUE(FlagSensorEnds(Tank(), {1}, rows).empty());
 }
 
+/// A level that comes to the end as slowly as it goes away from there. Noise of more than a converter's step tells it from one that
+/// settles: at rest no reading would repeat.
+TEST(SensorEnds, WhatIsCutOffGentlyIsOneWhereNoiseWouldScatterItAtRest) {
+  for (const double noise : {0.01, 0.0}) {
+    std::mt19937 random(4);
+    std::normal_distribution<double> normal;
+    SampleBlock rows;
+    rows.Resize(2, 1000);
+    for (std::size_t k = 0; k < rows.rows(); ++k) {
+      const double swing = std::sin(static_cast<double>(k) / 60);
+      rows.signal[1][k] = std::min(5.0, 5.05 * (1 - std::pow(1 - swing, 3)) + noise * normal(random));
+    }
+    EXPECT_EQ(FlagSensorEnds(Tank(), {1}, rows).size(), noise > 0 ? 1u : 0u) << noise;
+  }
+}
+
 TEST(SensorEnds, OfAnInputItIsSaidWhatEpisodesGoWithoutAndHowToKeepIt) {
   SampleBlock rows = Levels(9.6, 0.02);
   std::swap(rows.signal[0], rows.signal[1]);

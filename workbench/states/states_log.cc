@@ -10,6 +10,7 @@
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/other_causes/initial_values.h"
+#include "diagnosis/states/other_causes/missing_zero.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "host/text_sink.h"
 #include "models/machine_kind.h"
@@ -109,6 +110,24 @@ EpisodeLog WithSampling(EpisodeLog log, const OtherSampling& taken) {
   return log;
 }
 
+/// Asked of the set found, and where that has several effects, of the best single one: a constant that does as well as a further
+/// effect stands in its place.
+std::optional<MissingZeros> ZerosOf(const StatesExplanation& x, std::span<const Episode> fitted) {
+  if (auto zeros = FindMissingZeros(x.final.fit, fitted)) return zeros;
+  if (x.final.added.size() < 2) return std::nullopt;
+  const StateCandidate& single = x.ranking.front();
+  if (!single.fitted() || single.fit.runs.size() != fitted.size()) return std::nullopt;
+  auto zeros = FindMissingZeros(single.fit, fitted);
+  const bool does_as_well = zeros && zeros->error * zeros->error * single.held_out <= x.final.held_out;
+  return does_as_well ? zeros : std::nullopt;
+}
+
+EpisodeLog WithTakenZeros(EpisodeLog log, const MissingZeros& zeros) {
+  log.warnings.push_back(MissingZerosText(zeros, log.machine));
+  log.machine = WithZeros(std::move(log.machine), zeros);
+  return log;
+}
+
 }  // namespace
 
 bool HasStates(const std::string& machine_file) {
@@ -169,6 +188,8 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
     out.other_sampling = FindOtherSampling(out.fit, log.episodes);
     if (out.other_sampling && IsTaken(*out.other_sampling, log.machine.log))
       return FitEpisodes(WithSampling(std::move(log), *out.other_sampling));
+    if (const auto zeros = FindMissingZeros(out.fit, log.episodes))
+      return FitEpisodes(WithTakenZeros(std::move(log), *zeros));
   }
   out.drift = FindParameterDrift(out.fit, out.left);
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
@@ -251,6 +272,15 @@ Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
         return ExplainReadEpisodes(WithSampling(std::move(out.log), *other));
       }
       out.log.warnings.push_back(OtherSamplingText(*other));
+    }
+  if (x.verdict == Verdict::kUnknown || x.partial || x.final.added.size() > 1)
+    if (const auto zeros = ZerosOf(x, fitted)) {
+      out.log.warnings = read;
+      auto with_zeros = ExplainReadEpisodes(WithTakenZeros(std::move(out.log), *zeros));
+      // The constant may be a law as well: no all-clear.
+      if (with_zeros && with_zeros->explanation.verdict == Verdict::kAdequate)
+        with_zeros->explanation.LeaveUnknown({});
+      return with_zeros;
     }
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
