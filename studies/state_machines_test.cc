@@ -308,8 +308,10 @@ TEST(StateMachines, TheZeroOfASensorThatTheFileLacksHidesNoSpring) {
   StatesSpec& states = log.machine.states;
   states.outputs.front().expression = "gain*x";
   std::erase_if(states.parameters, [](const ParameterSpec& parameter) { return parameter.name == "zero"; });
+  std::erase_if(log.machine.user_effects,
+                [](const UserEffectSpec& effect) { return effect.id != "coulomb"; });
   for (const std::string hidden : {"coulomb", ""}) {
-    log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, hidden, 6, 1000}), log.machine)};
+    log.episodes = {EpisodeOf(SimulateStates({StateMachineKind::kOscillator, hidden, 6, 600}), log.machine)};
     auto readings = log.episodes.front().signal.col(1);
     readings.array() += 0.3 * readings.norm() / std::sqrt(static_cast<double>(readings.size()));
     const auto explained = ExplainReadEpisodes(log);

@@ -38,15 +38,14 @@ parameters = { l = { start = 0.001, min = 0, max = 0.1 } }
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   Episode episode;
-  episode.signal.resize(1000, 2);
-  double h1 = 4, h2 = 4, u = 0, slow = 0;
-  for (int row = 0; row < 1000; ++row) {
-    slow += 0.06 * (normal(random) - slow);
-    u += 0.3 * (slow - u);
-    const double volts = std::max(0.0, 3.5 + 9 * u);
-    episode.time.push_back(4.0 * row);
+  episode.signal.resize(800, 2);
+  double h1 = 4, h2 = 4;
+  for (int row = 0; row < 800; ++row) {
+    const double t = 4.0 * row;
+    const double volts = 3.3 + 1.3 * (std::sin(t / 85) + std::sin(t / 152 + 1) + 0.6 * std::sin(t / 41));
+    episode.time.push_back(t);
     episode.signal(row, 0) = volts;
-    episode.signal(row, 1) = h2 + 0.006 * normal(random);
+    episode.signal(row, 1) = h2 + 0.01 * normal(random);
     for (int step = 0; step < 20; ++step) {
       const double out = 0.06 * std::sqrt(h1);
       h1 = std::max(0.0, h1 + 0.2 * (0.045 * volts - out - 0.006 * h1));

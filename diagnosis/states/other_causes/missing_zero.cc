@@ -108,13 +108,12 @@ Told MissingZerosText(const MissingZeros& zeros, const Machine& machine) {
                           std::string(unit.name), zero.signal);
     constants = constants.empty() ? one : Tell("{}, {}", "{}, {}", constants, one);
   }
-  const std::string& first = zeros.of.front().signal;
   return Tell(
       "a constant ({}) leaves {:.0f} % of the error without it, and is taken: the zero of a sensor, or a constant force or flow; if "
-      "it is the sensor's, add a parameter {}_0 to {} in [outputs]",
+      "it is a sensor's, add a parameter to that output in [outputs]",
       "eine Konstante ({}) lässt {:.0f} % des Fehlers ohne sie übrig und wird genommen: der Nullpunkt eines Sensors oder eine "
-      "konstante Kraft oder Strömung; wenn es der des Sensors ist, in [outputs] einen Parameter {}_0 zu {} addieren",
-      constants, 100 * zeros.error, first, first);
+      "konstante Kraft oder Strömung; wenn es der eines Sensors ist, zu diesem Ausgang in [outputs] einen Parameter addieren",
+      constants, 100 * zeros.error);
 }
 
 }  // namespace hydroscope

@@ -54,7 +54,7 @@ TEST(MissingZero, ThatOfALevelSensorIsFound) {
   ASSERT_EQ(zeros->of.size(), 1u);
   EXPECT_NEAR(zeros->of[0].at, 0.2, 0.02);
   EXPECT_LT(zeros->error, 0.5);
-  EXPECT_THAT(MissingZerosText(*zeros, fit.model->machine).english, testing::HasSubstr("a constant (+0.2"));
+  EXPECT_THAT(MissingZerosText(*zeros, fit.model->machine).english, testing::HasSubstr("mm in y)"));
 }
 
 TEST(MissingZero, WhereTheFileGivesOneThereIsNone) {
