@@ -9,13 +9,12 @@
 namespace hydroscope {
 namespace {
 
-using namespace storage_test;
-
 /// Three minutes of a press in a raw window, and the same again ten years later.
 class RawLog : public testing::Test {
  protected:
   RawLog() : machine_(MachineFor(Options())), press_(folder_.File()) {
     const SampleBlock rows = RowsOf(SimulatePress(Options()), machine_);
+    machine_.log.sample_period = Options().sample_period;
     rows_ = static_cast<std::int64_t>(rows.time.size());
     std::vector<std::string> names;
     for (const SignalSpec& signal : machine_.signals) names.push_back(signal.name);
@@ -38,22 +37,22 @@ class RawLog : public testing::Test {
     return std::move(*reader);
   }
 
-  Folder folder_;
+  storage_test::Folder folder_;
   Machine machine_;
-  Press press_;
+  storage_test::Press press_;
   std::int64_t rows_ = 0;
 };
 
 TEST_F(RawLog, IsReadAcrossYearsOfWhichNothingIsKept) {
   const auto reader = Open();
   SampleBlock block;
-  while (Value(reader->Read(block, 4096)) > 0) continue;
+  while (storage_test::Value(reader->Read(block, 4096)) > 0) continue;
   EXPECT_EQ(reader->counters().rows, 2 * rows_);
 }
 
 TEST_F(RawLog, IsReadNoFurtherThanItsFirstStrokes) {
   const auto reader = Open();
-  const LogStrokes first = Value(FirstStrokesOf(*reader, machine_));
+  const LogStrokes first = storage_test::Value(FirstStrokesOf(*reader, machine_));
   EXPECT_EQ(first.strokes.size(), 40u);
   EXPECT_LT(reader->counters().rows, rows_);
 }
