@@ -9,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-/// Three minutes of a press in a raw window, and the same again ten years later.
+/// Five minutes of a press in a raw window, and the same again ten years later.
 class RawLog : public testing::Test {
  protected:
   RawLog() : machine_(MachineFor(Options())), press_(folder_.File()) {
@@ -28,7 +28,7 @@ class RawLog : public testing::Test {
 
   static PressOptions Options() {
     PressOptions options = RandomMachine(1);
-    options.seconds = 180;
+    options.seconds = 300;
     return options;
   }
   std::unique_ptr<LogReader> Open() const {

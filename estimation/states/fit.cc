@@ -32,7 +32,8 @@ std::optional<shooting::Point> Shot(shooting::Task task, const Eigen::VectorXd& 
     if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
                             shot))
       return shooting::Point{};
-    if (options.until_white && (shot.converged || joint == kStiff) && shot.cost > options.far_worse * least)
+    if (options.until_agreed > 0 && (shot.converged || joint == kStiff) &&
+        shot.cost > options.far_worse * least)
       return std::nullopt;
   }
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);

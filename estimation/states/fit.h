@@ -21,11 +21,11 @@ struct StateFitOptions {
   double at_noise = 1.1;
   /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.
   double most_effort = 8;
-  bool until_white =
-      false;  ///< the best minimum alone is asked for: no further start once one leaves white noise,
-  double far_worse =
-      2;  ///< ... none is taken on whose short segments cost so much more than the best one's runs,
-  int until_agreed = 0;  ///< ... and no further one once so many end in the best minimum; 0: all are tried
+  bool until_white = false;  ///< no further start is tried once one leaves white noise
+  /// Where not all are tried (until_agreed): cost of a start's short segments over that of the best runs so far, from which on it
+  /// is not taken on.
+  double far_worse = 2;
+  int until_agreed = 0;        ///< no further start is tried once so many end in the best minimum; 0: all are
   Eigen::VectorXd ended = {};  ///< parameters that an earlier start ended with; empty: none is known
   int polished = 2;            ///< minima that are fitted to all rows
   int iterations = 60;         ///< of the last fit
