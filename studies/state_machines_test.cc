@@ -302,7 +302,7 @@ TEST(StateMachines, OutputsThatAreNewerThanInputsAreNoLawThatIsMissing) {
 }
 
 /// A sensor's zero that the file lacks covers what else is missing: it is taken, alone it is no all-clear.
-TEST(StateMachines, TheZeroOfASensorThatTheFileLacksHidesNoSpring) {
+TEST(StateMachines, TheZeroOfASensorThatTheFileLacksHidesNoFriction) {
   EpisodeLog log;
   log.machine = StatesMachine(StateMachineKind::kOscillator, "");
   StatesSpec& states = log.machine.states;

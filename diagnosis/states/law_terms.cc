@@ -44,8 +44,7 @@ RunRows RowsOf(const StateCandidate& candidate, std::span<const Episode> episode
   return out;
 }
 
-/// Terms that effects of the model with them, whose parameters are given, add to each equation, over the size of its rate: row x
-/// equation.
+/// Row x equation: terms of effects at these parameters of the model with them, over the size of the equation's rate.
 RowMatrix TermsAt(AddedEffect& effect, const Eigen::VectorXd& parameters, const RunRows& rows) {
   effect.SetDraw(parameters);
   RowMatrix out = RowMatrix::Zero(static_cast<Eigen::Index>(rows.states.size()), rows.size.size());
