@@ -40,6 +40,7 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
     case Verdict::kAmbiguous:
       return "△ The model lacks something; these episodes cannot tell which of several effects";
     case Verdict::kUnknown:
+      if (e.only_zeros()) return "? " + Told(kOnlyZeros).english;
       return x.astray ? "? The free run hardly follows what was measured: what it leaves tells of no effect"
              : x.only_doubtful() ? "? The model may lack something, and no effect it may be given explains it"
                                  : "? The model lacks something that no effect it may be given explains";

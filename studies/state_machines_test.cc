@@ -319,11 +319,16 @@ TEST(StateMachines, TheZeroOfASensorThatTheFileLacksHidesNoFriction) {
     const StatesExplanation& x = explained->explanation;
     EXPECT_EQ(x.verdict, hidden.empty() ? Verdict::kUnknown : Verdict::kNamed);
     EXPECT_EQ(x.set, hidden.empty() ? std::vector<std::string>{} : std::vector{hidden});
-    EXPECT_THAT(ExplainText(*explained), testing::HasSubstr("the zero of a sensor"));
+    const std::string text = ExplainText(*explained);
+    EXPECT_THAT(text, testing::HasSubstr("the zero of a sensor"));
+    const std::string signal = log.machine.states.outputs.front().signal;
+    for (const std::string& said : {std::string("But for a constant"), "Read " + signal + " where"})
+      EXPECT_EQ(text.find(said) != std::string::npos, hidden.empty()) << said;
   }
   const auto fit = FitEpisodes(log);
   ASSERT_TRUE(fit) << fit.error().text;
   EXPECT_FALSE(fit->left.structured);
+  EXPECT_THAT(CompareText(*fit), testing::HasSubstr("But for a constant"));
 }
 
 TEST(StateMachines, TheExampleOfTheDocsIsFitted) {

@@ -220,6 +220,7 @@ TEST(Imperfections, TheLeakGrowsWithTheOilTemperature) {
 
 TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
   EXPECT_DOUBLE_EQ(MomentsOf({"K_drift", -0.1, {}, ""}, 60).At(30, 313, 0).K_factor, 0.95);
+  EXPECT_NEAR(MomentsOf({"bulk_modulus_temperature", -0.004, {}, ""}, 60).At(30, 323.15, 0).K_factor, 0.96, 1e-12);
   EXPECT_DOUBLE_EQ(MomentsOf({"V0_drift", 0.1, {}, ""}, 60).At(60, 313, 0).V0_factor, 1.1);
   EXPECT_DOUBLE_EQ(MomentsOf({"Q_vn_drift", 0.02, {}, ""}, 60).At(15, 313, 0).gain, 1.005);
   const PlantMoments step = MomentsOf({"Q_vn_step", 0.02, {{"until", 0.5}}, ""}, 60);
@@ -350,12 +351,13 @@ TEST(Imperfections, DisplacementsAndCrosstalkGoWithTheirChannel) {
   options.imperfections = {{"displacement_gain_temperature", 1e-3, {}, "y_v"},
                            {"pressure_crosstalk", 2e5, {}, "U_v"},
                            {"position_nonlinearity", 0.01, {{"stroke", 0.25}}, ""},
-                           {"spool_null_pressure", 2e-10, {}, ""}};
+                           {"spool_null_pressure", 2e-10, {}, ""},
+                           {"flow_gain_pressure", 0.02, {}, ""}};
   const SimulatedLog log = SimulatePress(options);
   for (std::size_t k = 0; k < clean.rows(); ++k) {
     ASSERT_NEAR(log.z[k], clean.z[k] + 0.01 * clean.z[k] * (1 - clean.z[k] / 0.25), 1e-12);
-    ASSERT_NEAR(log.y_v[k], clean.y_v[k] * (1 + 1e-3 * (clean.T_oil[k] - 313.15)) + 2e-10 * log.p_A[k],
-                1e-12);
+    const double warm = clean.y_v[k] * (1 + 1e-3 * (clean.T_oil[k] - 313.15));
+    ASSERT_NEAR(log.y_v[k], (warm + 2e-10 * log.p_A[k]) / (1 + 0.02 * (log.p_A[k] / 100e5 - 1)), 1e-12);
     ASSERT_NEAR(log.p_A[k], clean.p_A[k] + 2e5 * clean.U_v[k] / 10, 1e-3);
   }
 }

@@ -101,6 +101,9 @@ PlantMoments::Moment PlantMoments::At(double t, double temperature, std::int64_t
       case kBulkModulusDrift:
         moment.K_factor += one.size * part;
         break;
+      case kBulkModulusTemperature:
+        moment.K_factor += one.size * (temperature - kWarmOil);
+        break;
       case kVolumeDrift:
         moment.V0_factor += one.size * part;
         break;

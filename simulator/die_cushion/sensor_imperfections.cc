@@ -90,6 +90,9 @@ void SensorImperfections::Distort(PressRow& row) {
       case kSpoolPressure:
         row.y_v += one.size * row.p_A;
         break;
+      case kFlowGainPressure:
+        row.y_v /= 1 + one.size * (row.p_A / 100e5 - 1);
+        break;
       case kSensorHum:
         row.p_A += one.size * std::sin(2 * std::numbers::pi * one.extras[0] * row.t + one.extras[1]);
         break;

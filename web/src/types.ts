@@ -134,7 +134,7 @@ export interface Plan {
 export interface ProposedLaw { expression: string; rms_holdout: number; late_signal: string | null; sentence: string; german?: { sentence: string } }
 
 export interface ExplainResult {
-  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; may_be_noise?: boolean; small_error?: boolean; slow?: boolean; short_runs?: boolean; astray?: boolean; doubtful?: boolean; nearest?: string[]; noise_at_most?: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
+  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; may_be_noise?: boolean; small_error?: boolean; slow?: boolean; short_runs?: boolean; astray?: boolean; doubtful?: boolean; only_zeros?: boolean; nearest?: string[]; noise_at_most?: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
   final: { rms_holdout: number; drifts?: Record<string, string>; german?: { drifts: Record<string, string> } }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
   odd_strokes?: { strokes: number[]; set: string[]; parameter?: string; sentence: string; german?: { sentence: string } }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];

@@ -48,6 +48,8 @@ std::vector<PlantCase> PlantCases() {
           {"position_nonlinearity", 0.01, -0.01},
           {"displacement_gain_temperature", 3e-4, -3e-4},
           {"spool_null_temperature", 2e-4, 2e-4},
+          {"spool_null_pressure", 2e-10, 2e-10},
+          {"flow_gain_pressure", 0.02, 0.02},
           {"periodic_disturbance", 2e-5, 2e-5},
           {"K_drift", -0.20, RateOfReciprocal(-0.20)},
           {"V0_drift", 0.30, 0.30 / kSeconds},
@@ -142,7 +144,8 @@ TEST(PlantEffects, ADriftThatRunsWithTheOilTemperatureIsAClassWithIt) {
   EXPECT_TRUE(WhatToRecord(x));
 }
 
-/// At nearly one speed a leak says little by itself; beside it the viscosity and two drifts do as well as one another.
+/// At nearly one speed a leak says little by itself, and a null that goes with the pressure as much; beside them the viscosity and
+/// two drifts do as well as one another.
 TEST(PlantEffects, WhatMayStandBesideAnEffectThatSaysLittleByItselfIsTried) {
   PressOptions options;
   options.seconds = 90;
@@ -154,7 +157,7 @@ TEST(PlantEffects, WhatMayStandBesideAnEffectThatSaysLittleByItselfIsTried) {
   const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
   EXPECT_THAT(
       ExplainStrokes(*strokes)->explanation.groups,
-      UnorderedElementsAre(ElementsAre("external_leakage"),
+      UnorderedElementsAre(ElementsAre("external_leakage", "spool_null_pressure"),
                            UnorderedElementsAre("Q_vn_drift", "oil_viscosity", "pressure_gain_drift")));
 }
 

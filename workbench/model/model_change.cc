@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/counted_words.h"
 #include "core/shell_word.h"
 #include "core/short_number.h"
@@ -22,6 +25,7 @@ namespace {
 struct Evidence {
   std::optional<ModelEvidence> before, next;
   std::optional<std::pair<HeldOutError, HeldOutError>> held_out;  ///< before, next
+  std::vector<Told> warnings;  ///< how the log was read for the next, and what of it was taken otherwise
 };
 
 /// Both models, fitted to `strokes`, on a log that neither was fitted to.
@@ -50,6 +54,7 @@ Result<Evidence> OnEpisodes(const ModelChange& change, const Machine& before, co
     episodes.machine = *machine;
     const auto fit = TRY(FitEpisodes(std::move(episodes)));
     (machine == &before ? out.before : out.next) = ModelEvidence{RecordOf(fit, source), {}};
+    out.warnings = fit.log.warnings;
   }
   return out;
 }
@@ -79,7 +84,7 @@ Result<Evidence> OnStrokes(const Database& database, const ModelChange& change,
   const auto history = TRY(LoadHistory(database, change.history.db, parts, before));
   auto judged_before = TRY(JudgeModel(before, history));
   auto judged_next = TRY(JudgeModel(next, history));
-  return Evidence{std::move(judged_before), std::move(judged_next), {}};
+  return Evidence{std::move(judged_before), std::move(judged_next), {}, {}};
 }
 
 /// The one machine meant: the one named, that of the machine file, or the only one.
@@ -138,7 +143,8 @@ void TellError(const Machine& before, const Machine& next, const Evidence& evide
                const std::string& effect, ModelChanged& changed) {
   const bool adds = next.added_effects.size() > before.added_effects.size();
   changed.error = LastStepJson(next);
-  if (adds) changed.warnings = AddingWarnings(next, effect);
+  changed.warnings = evidence.warnings;
+  if (adds) std::ranges::move(AddingWarnings(next, effect), std::back_inserter(changed.warnings));
   TellHeldOut(next, evidence, effect, adds, changed);
   for (const std::string& warning : InEnglish(changed.warnings))
     changed.text += fmt::format("WARNING: {}.\n", warning);

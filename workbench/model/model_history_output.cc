@@ -155,11 +155,14 @@ std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effe
         "{0} macht das Modell nicht besser: der Fehler auf ausgelassenen Hüben ist {1:.3g} {2} damit und {3:.3g} {4} ohne",
         effect, ShownError(machine, after, after.rms_holdout), ErrorUnit(machine, after),
         ShownError(machine, before, before.rms_holdout), ErrorUnit(machine, before), effect));
+  const auto is_its_own = [&](const RecordedValue& value) { return value.name.starts_with(effect + "."); };
+  const bool one_size = std::ranges::count_if(after.parameters, is_its_own) == 1;
   for (const RecordedValue& value : after.parameters)
-    if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
-      warnings.push_back(Tell("the size of {} cannot be told from zero: {}",
-                              "die Größe von {} ist nicht von null zu unterscheiden: {}", effect,
-                              TellNumber(ShownWithInterval(value.value, value.std, value.unit))));
+    if (is_its_own(value) && std::abs(value.value) <= kNormal95 * value.std)
+      warnings.push_back(
+          Tell("{} cannot be told from zero: {}", "{} ist nicht von null zu unterscheiden: {}",
+               one_size ? Tell("the size of {}", "die Größe von {}", effect) : Told(value.name),
+               TellNumber(ShownWithInterval(value.value, value.std, value.unit))));
   return warnings;
 }
 

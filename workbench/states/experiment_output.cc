@@ -9,6 +9,7 @@
 #include "core/short_number.h"
 #include "diagnosis/experiment/rival_separation.h"
 #include "models/state_effects.h"
+#include "workbench/states/states_words.h"
 
 namespace hydroscope {
 namespace {
@@ -121,6 +122,7 @@ std::vector<Told> TestsOfNearest(const StatesExplained& e) {
 
 std::optional<Told> StatesToRecord(const StatesExplained& e) {
   std::vector<Told> text = TestsOfNearest(e);
+  if (e.only_zeros()) text.push_back(ZerosToRead(*e.zeros, e.log.machine));
   if (!e.experiment.rivals.empty())
     text.push_back(SeparationText(e));
   else if (!e.experiment.unseen.empty())

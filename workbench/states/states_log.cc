@@ -10,13 +10,13 @@
 #include "diagnosis/states/explain_states.h"
 #include "diagnosis/states/held_out_run.h"
 #include "diagnosis/states/other_causes/initial_values.h"
-#include "diagnosis/states/other_causes/missing_zero.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "host/text_sink.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
 #include "workbench/model/model_record.h"
+#include "workbench/states/measured_otherwise.h"
 
 namespace hydroscope {
 namespace {
@@ -85,49 +85,6 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
   return warnings;
 }
 
-/// Straight lines, and outputs read when inputs are, are what a file that says nothing means: where it is clearly otherwise, that is
-/// taken.
-bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
-  return !other.holds_otherwise || stated.hold == LogFormat().hold;
-}
-
-/// Asked of the set found, and of single effects that do nearly as well: an imitator may bend to a wrong sampling, so that another
-/// takes nothing of its error away.
-std::optional<OtherSampling> SamplingOf(const StatesExplanation& x, std::span<const Episode> fitted) {
-  const SamplingOptions options;
-  auto other = FindOtherSampling(x.final.fit, fitted, options);
-  for (const StateCandidate& rival : x.ranking)
-    if (!other && rival.fitted() && rival.added != x.final.added && rival.fit.runs.size() == fitted.size() &&
-        rival.held_out <= options.rivals * x.final.held_out)
-      other = FindOtherSampling(rival.fit, fitted, options);
-  return other;
-}
-
-EpisodeLog WithSampling(EpisodeLog log, const OtherSampling& taken) {
-  log.machine.log.hold = taken.hold;
-  if (taken.is_late) log.machine.log.outputs_late = taken.late;
-  log.warnings.push_back(TakenSamplingText(taken));
-  return log;
-}
-
-/// Asked of the set found, and where that has several effects, of the best single one: a constant that does as well as a further
-/// effect stands in its place.
-std::optional<MissingZeros> ZerosOf(const StatesExplanation& x, std::span<const Episode> fitted) {
-  if (auto zeros = FindMissingZeros(x.final.fit, fitted)) return zeros;
-  if (x.final.added.size() < 2) return std::nullopt;
-  const StateCandidate& single = x.ranking.front();
-  if (!single.fitted() || single.fit.runs.size() != fitted.size()) return std::nullopt;
-  auto zeros = FindMissingZeros(single.fit, fitted);
-  const bool does_as_well = zeros && zeros->error * zeros->error * single.held_out <= x.final.held_out;
-  return does_as_well ? zeros : std::nullopt;
-}
-
-EpisodeLog WithTakenZeros(EpisodeLog log, const MissingZeros& zeros) {
-  log.warnings.push_back(MissingZerosText(zeros, log.machine));
-  log.machine = WithZeros(std::move(log.machine), zeros);
-  return log;
-}
-
 }  // namespace
 
 bool HasStates(const std::string& machine_file) {
@@ -183,13 +140,15 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.left = JudgedRemainder(out.fit, log.episodes, start.options);
   out.error = ErrorOf(out.fit, out.left);
   if (out.left.structured || out.slow()) {
+    const MeasuredOtherwise otherwise = FindMeasuredOtherwise(out.fit, log.episodes);
+    if (const TakenOtherwise taken = TakeOtherwise(otherwise, log); taken != TakenOtherwise::kNothing) {
+      auto with_it = FitEpisodes(std::move(log));
+      if (with_it && taken == TakenOtherwise::kZeros) with_it->zeros = otherwise.zeros;
+      return with_it;
+    }
+    out.other_sampling = otherwise.sampling;
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
     out.missing_limit = FindMissingLimit(out.fit, log.episodes);
-    out.other_sampling = FindOtherSampling(out.fit, log.episodes);
-    if (out.other_sampling && IsTaken(*out.other_sampling, log.machine.log))
-      return FitEpisodes(WithSampling(std::move(log), *out.other_sampling));
-    if (const auto zeros = FindMissingZeros(out.fit, log.episodes))
-      return FitEpisodes(WithTakenZeros(std::move(log), *zeros));
   }
   out.drift = FindParameterDrift(out.fit, out.left);
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
@@ -250,38 +209,29 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
 }
 
 Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
-  const std::vector<Told> read = log.warnings;
   StatesExplained out;
   const LinearStart start = StartOf(log.machine, log.episodes);
   ExplainStatesOptions options;
   options.fit = start.options;
   out.explanation = ExplainStates(start.machine, log.episodes, options);
-  if (out.explanation.base.fit.solved())
-    for (Told& warning : InitialWarnings(out.explanation.base.fit, log.episodes))
-      log.warnings.push_back(std::move(warning));
   out.log = std::move(log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved())
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", out.log.machine.name, x.base.fit.failed));
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
-  if (x.verdict == Verdict::kUnknown || x.partial)
-    if (const auto other = SamplingOf(x, fitted)) {
-      if (IsTaken(*other, out.log.machine.log)) {
-        out.log.warnings = read;
-        return ExplainReadEpisodes(WithSampling(std::move(out.log), *other));
-      }
-      out.log.warnings.push_back(OtherSamplingText(*other));
-    }
-  if (x.verdict == Verdict::kUnknown || x.partial || x.final.added.size() > 1)
-    if (const auto zeros = ZerosOf(x, fitted)) {
-      out.log.warnings = read;
-      auto with_zeros = ExplainReadEpisodes(WithTakenZeros(std::move(out.log), *zeros));
-      // The constant may be a law as well: no all-clear.
-      if (with_zeros && with_zeros->explanation.verdict == Verdict::kAdequate)
-        with_zeros->explanation.LeaveUnknown({});
-      return with_zeros;
-    }
+  const MeasuredOtherwise otherwise = FindMeasuredOtherwise(x, fitted);
+  if (const TakenOtherwise taken = TakeOtherwise(otherwise, out.log); taken != TakenOtherwise::kNothing) {
+    auto with_it = ExplainReadEpisodes(std::move(out.log));
+    if (!with_it || taken != TakenOtherwise::kZeros) return with_it;
+    with_it->zeros = otherwise.zeros;
+    // The constant may be a law as well: no all-clear.
+    if (with_it->explanation.verdict == Verdict::kAdequate) with_it->explanation.LeaveUnknown({});
+    return with_it;
+  }
+  for (Told& warning : InitialWarnings(x.base.fit, out.log.episodes))
+    out.log.warnings.push_back(std::move(warning));
+  if (otherwise.sampling) out.log.warnings.push_back(OtherSamplingText(*otherwise.sampling));
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);

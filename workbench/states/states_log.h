@@ -10,6 +10,7 @@
 #include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/other_causes/missing_limit.h"
+#include "diagnosis/states/other_causes/missing_zero.h"
 #include "diagnosis/states/other_causes/parameter_drift.h"
 #include "diagnosis/states/other_causes/sampling.h"
 #include "diagnosis/states/other_causes/state_limit.h"
@@ -66,6 +67,7 @@ struct StatesFit {
   std::optional<LinearFit> linear;  ///< where the fit began, of kinds with a linear form
   StateRemainder left;
   std::optional<OtherSampling> other_sampling;
+  std::optional<MissingZeros> zeros;  ///< that were taken, though the machine file lacks them
   std::optional<DoubtedLimit> doubted_limit;
   std::optional<MissingLimit> missing_limit;
   std::optional<ParameterDrift> drift;  ///< over the log
@@ -97,7 +99,8 @@ struct StatesExplained {
   std::string target;  ///< how the command line names the machine
   EpisodeLog log;
   StatesExplanation explanation;
-  StateExperiment experiment;  ///< what to record next
+  std::optional<MissingZeros> zeros;  ///< that were taken, though the machine file lacks them
+  StateExperiment experiment;         ///< what to record next
   StatesError base, final;
   std::vector<Estimate> base_parameters, final_parameters;
   std::vector<OutputErrors> located;  ///< of the model as it is
@@ -107,6 +110,11 @@ struct StatesExplained {
   bool noise_alone() const {
     return !explanation.final_left.structured && !explanation.astray && !explanation.dynamics &&
            !final.slow();
+  }
+  /// The model describes the log but for constants that the machine file lacks: zeros of sensors, or a law.
+  bool only_zeros() const {
+    return zeros && explanation.verdict == Verdict::kUnknown && noise_alone() && !explanation.drift &&
+           explanation.final.added.empty();
   }
   /// Nothing is named, and yet errors last over many rows (StatesFit::slow).
   bool slow() const { return explanation.verdict == Verdict::kAdequate && base.slow(); }

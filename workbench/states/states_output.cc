@@ -202,6 +202,7 @@ std::string VerdictText(const StatesExplained& e) {
     case Verdict::kUnknown:
       break;
   }
+  if (e.only_zeros()) return text + Told(kOnlyZeros).english + "\n";
   text += x.astray ? "The free run hardly follows what was measured: what it leaves tells of no effect.\n"
           : x.only_doubtful() ? "Something may be missing, and no effect of the machine file explains it.\n"
                               : "An error is there, and no effect of the machine file explains it.\n";
@@ -313,7 +314,9 @@ std::string CompareText(const StatesFit& fit) {
           ? "The model misses dynamics: what it leaves can be predicted from the past of inputs and states.\n"
       : fit.slow() ? "What is left lasts over many rows, and no function of states and inputs predicts it.\n"
       : fit.may_lack_law() ? "Something may be missing: what is left is no white noise, see the warning.\n"
-                           : "The model describes these episodes; noise alone is left.\n";
+      : fit.zeros
+          ? "But for a constant, see the warning, the model describes these episodes; noise alone is left.\n"
+          : "The model describes these episodes; noise alone is left.\n";
   for (const auto& [what, error] : std::initializer_list<std::pair<const char*, double>>{
            {"free run", fit.error.rms},
            {"on pieces left out", fit.error.rms_holdout},
@@ -432,6 +435,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
           {"short_runs", !x.runs.empty()},
           {"astray", x.astray},
           {"doubtful", x.only_doubtful()},
+          {"only_zeros", e.only_zeros()},
           {"nearest", x.nearest},
           {"warnings", InEnglish(warnings)},
           {"german", {{"warnings", InGerman(warnings)}, {"experiment", record ? record->german : ""}}},

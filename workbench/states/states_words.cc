@@ -53,4 +53,19 @@ Told WhyNotSeen(const StatesExplanation& x, const std::string& id) {
                     "was er an den Ausgängen ändert, übernehmen die Parameter");
 }
 
+Told ZerosToRead(const MissingZeros& zeros, const Machine& machine) {
+  Told text;
+  for (const MissingZeros::Zero& zero : zeros.of) {
+    const DisplayUnit unit = ShownUnit(machine, zero.signal);
+    const Told one = Tell(
+        "Read {0} where its true value is known: if it is {1:+.4g} {2} off there too, that is the zero of its sensor, to be set or "
+        "to be added to {0} in [outputs].",
+        "{0} ablesen, wo der wahre Wert bekannt ist: ist es auch dort um {1:+.4g} {2} daneben, ist das der Nullpunkt des Sensors, "
+        "der einzustellen oder unter [outputs] zu {0} zu addieren ist.",
+        zero.signal, zero.at * unit.factor, std::string(unit.name));
+    text = text.empty() ? one : Tell("{} {}", "{} {}", text, one);
+  }
+  return text;
+}
+
 }  // namespace hydroscope

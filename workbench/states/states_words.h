@@ -32,6 +32,16 @@ double ShownLeftOut(const StatesExplained& e, const StateCandidate& candidate);
 /// Why these episodes cannot show an effect; empty: they can.
 Told WhyNotSeen(const StatesExplanation& x, const std::string& id);
 
+/// Of a log that the model describes but for constants (StatesExplained::only_zeros).
+inline constexpr Wording kOnlyZeros = {
+    "But for a constant that the machine file lacks, see the warning, the model describes these episodes: the zero of a sensor, or "
+    "a law; the log does not tell which.",
+    "Bis auf eine Konstante, die in der Maschinendatei fehlt (siehe Warnung), beschreibt das Modell diese Episoden: der Nullpunkt "
+    "eines Sensors oder ein Gesetz; das Log sagt nicht, welches."};
+
+/// What to do about constants: a reading at a known value tells whether they are zeros of sensors.
+Told ZerosToRead(const MissingZeros& zeros, const Machine& machine);
+
 /// What an effect of a built-in machine means for the plant; "" of those of the machine file.
 std::string PlainWords(const std::vector<Effect>& effects, const std::string& id);
 

@@ -50,6 +50,8 @@
   _(PositionNonlinearity)            \
   _(DisplacementGainTemperature)     \
   _(SpoolNullTemperature)            \
+  _(SpoolNullPressure)               \
+  _(FlowGainPressure)                \
   _(PressureOffsetDrift)             \
   _(PressureSignalLag)               \
   _(SpoolSignalLag)                  \

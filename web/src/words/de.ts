@@ -228,6 +228,7 @@ export const de: Words = {
   shortRuns: "Das Modell beschreibt kurze Läufe dieser <Hübe|Episoden>, was keine Entwarnung ist: Offen bleibt, was sich über <einen ganzen|eine ganze> ansammelt.",
   astray: "Der Freilauf folgt dem Gemessenen kaum: Was er übrig lässt, sagt von keinem Effekt etwas.",
   doubtful: "Vielleicht fehlt etwas, und nichts in der Bibliothek erklärt es.",
+  onlyZeros: "Bis auf eine Konstante, die in der Maschinendatei fehlt, beschreibt das Modell diese <Hübe|Episoden>: der Nullpunkt eines Sensors oder ein Gesetz. Siehe die Warnung.",
   notProven: "Nicht bewiesen: ",
   whyUnknown: "Warum: ",
   noiseAlone: "Sensorrauschen allein {noise}",

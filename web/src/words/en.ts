@@ -227,6 +227,7 @@ export const en = {
   shortRuns: "The model describes short runs of these <strokes|episodes>, which is no all-clear: what adds up over a whole one is open.",
   astray: "The free run hardly follows what was measured: what it leaves tells of no effect.",
   doubtful: "Something may be missing, and nothing in the library explains it.",
+  onlyZeros: "But for a constant that the machine file lacks the model describes these <strokes|episodes>: the zero of a sensor, or a law. See the warning.",
   notProven: "Not proven: ",
   whyUnknown: "Why: ",
   noiseAlone: "sensor noise alone {noise}",

@@ -24,6 +24,7 @@ function headline(explain: ExplainResult): keyof Words {
   if (explain.verdict === "adequate" && explain.short_runs) return "shortRuns";
   if (explain.verdict === "unknown" && explain.astray) return "astray";
   if (explain.verdict === "unknown" && explain.doubtful) return "doubtful";
+  if (explain.only_zeros) return "onlyZeros";
   if (explain.verdict === "named" && explain.partial) return "namedInDoubt";
   return explain.verdict;
 }
