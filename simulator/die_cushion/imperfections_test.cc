@@ -220,7 +220,8 @@ TEST(Imperfections, TheLeakGrowsWithTheOilTemperature) {
 
 TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
   EXPECT_DOUBLE_EQ(MomentsOf({"K_drift", -0.1, {}, ""}, 60).At(30, 313, 0).K_factor, 0.95);
-  EXPECT_NEAR(MomentsOf({"bulk_modulus_temperature", -0.004, {}, ""}, 60).At(30, 323.15, 0).K_factor, 0.96, 1e-12);
+  EXPECT_NEAR(MomentsOf({"bulk_modulus_temperature", -0.004, {}, ""}, 60).At(30, 323.15, 0).K_factor, 0.96,
+              1e-12);
   EXPECT_DOUBLE_EQ(MomentsOf({"V0_drift", 0.1, {}, ""}, 60).At(60, 313, 0).V0_factor, 1.1);
   EXPECT_DOUBLE_EQ(MomentsOf({"Q_vn_drift", 0.02, {}, ""}, 60).At(15, 313, 0).gain, 1.005);
   const PlantMoments step = MomentsOf({"Q_vn_step", 0.02, {{"until", 0.5}}, ""}, 60);

@@ -29,7 +29,8 @@ Effect SpoolNullPressure(const CushionGeometry&) {
       "Die Schieberstellung, bei der kein Öl fließt, wandert mit dem Druck; bis zu einem Grad ist das normal (2 % über 70 bar). "
       "Zu suchen: ein ungleich verschraubtes Ventilgehäuse, eine verschlissene Vorstufe, ein Aufnehmer, der den Druck spürt.",
       "der Druckabfall der Kammer bei abgesperrtem Ventil: ein Leck senkt ihn, ein Nullpunkt nicht"};
-  e.told_apart_by = "the pressure of the chamber with the valve shut off: a leak lets it fall, a null does not";
+  e.told_apart_by =
+      "the pressure of the chamber with the valve shut off: a leak lets it fall, a null does not";
   e.shown_by = kPressureSteps;
   e.separations = {{"external_leakage", kPressureSteps}, {"internal_leakage", kPressureSteps}};
   e.walks = true;
