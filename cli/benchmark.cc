@@ -76,11 +76,14 @@ void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
   command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_option("--kinds", o->kinds, "Only these kinds of imperfection, separated by commas")
       ->delimiter(',');
+  command->add_option("--further", o->further, "So many imperfections of other kinds in each log besides")
+      ->check(CLI::Range(0, 4));
   AddJobs(*command, o->threads);
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark plant-logs\n"
+      "  hydroscope benchmark plant-logs --further 2 --cases 120\n"
       "  hydroscope benchmark plant-logs --cases 40 --kinds coloured_noise,signal_lag --details cases.tsv\n"
       "  hydroscope benchmark plant-logs --seed 7 --first 123 --cases 1");
 }

@@ -338,14 +338,6 @@ std::optional<Explanation> Parted(StrokeSet strokes, Strokes odd, bool in_doubt,
   return out;
 }
 
-/// Whether the odd strokes have a cause, but for those that a change began or ended in.
-bool HaveACause(const std::vector<OddStrokes>& odd, const OddStrokeOptions& options) {
-  std::size_t without = 0;
-  for (const OddStrokes& part : odd)
-    if (part.set.empty() && part.parameter.empty()) without += part.strokes.size();
-  return without <= options.most_between;
-}
-
 /// A way to part strokes.
 struct Parting {
   /// Which are odd, by a model and the effects beside it.
@@ -389,6 +381,13 @@ std::optional<Explanation> PartedByTheBest(const StrokeSet& strokes, std::span<c
 }
 
 }  // namespace
+
+bool HaveACause(const std::vector<OddStrokes>& odd, const OddStrokeOptions& options) {
+  std::size_t without = 0;
+  for (const OddStrokes& part : odd)
+    if (part.set.empty() && part.parameter.empty()) without += part.strokes.size();
+  return without <= options.most_between;
+}
 
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
                                              const ExplainOptions& explain, const StrokesUnder& under,

@@ -57,6 +57,9 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
                                              const ExplainOptions& explain, const StrokesUnder& under,
                                              const OddStrokeOptions& options = {});
 
+/// Whether the odd strokes have a cause, but for those that a change began or ended in.
+bool HaveACause(const std::vector<OddStrokes>& odd, const OddStrokeOptions& options = {});
+
 /// The same where the log is of one kind up to some stroke and of another from there on, however many strokes that are
 /// (FindStrokesPastChange): the explanation of the side that is described, and of the other one against it. The cause may be
 /// not proven; nullopt if there is none.

@@ -117,10 +117,13 @@ TEST(OddStrokes, AfterAChangeMayBeMost) {
   EXPECT_THAT(reads_high.odd_strokes.front().set, IsSupersetOf({"pressure_offset", "tank_pressure"}));
 }
 
-/// A sensor that reads higher from one stroke on is none whose zero moves, in all strokes but for some.
+/// A sensor that reads higher from one stroke on is none whose zero moves, in all strokes but for some. In the first log a law without
+/// a name does as well, but leaves no strokes without a cause, as the zero that moves does.
 TEST(OddStrokes, OneChangeTakesThePlaceOfANameInDoubt) {
-  for (const auto& [machine, seed, begin, size] :
-       {std::tuple{284, 87, 0.31, 3e5}, {14, 49, 0.6, 2e5}, {341, 90, 0.27, 8e5}, {69, 33, 0.55, 2e5}}) {
+  for (const auto& [machine, seed, begin, size, in_doubt] : {std::tuple{284, 87, 0.31, 3e5, true},
+                                                             {14, 49, 0.6, 2e5, false},
+                                                             {341, 90, 0.27, 8e5, false},
+                                                             {69, 33, 0.55, 2e5, false}}) {
     const PressOptions drawn = RandomMachine(machine);
     PressOptions options;
     options.machine = drawn.machine;
@@ -133,7 +136,7 @@ TEST(OddStrokes, OneChangeTakesThePlaceOfANameInDoubt) {
     const Explanation x = Explained(StrokesOfPress(options));
     ASSERT_THAT(x.odd_strokes, Not(IsEmpty())) << machine;
     EXPECT_THAT(x.odd_strokes.front().set, IsSupersetOf({"pressure_offset", "tank_pressure"})) << machine;
-    EXPECT_FALSE(x.partial) << machine;
+    EXPECT_EQ(x.partial, in_doubt) << machine;
   }
 }
 

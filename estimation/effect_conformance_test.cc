@@ -45,7 +45,7 @@ TEST(Effects, AreThoseOfTheSimulator) {
   for (const EffectInfo& info : PressEffects()) simulator.insert(info.id);
   EXPECT_EQ(stored, simulator);
   for (const ImperfectionInfo& info : PressImperfections()) simulator.insert(info.name);
-  EXPECT_EQ(model->sample_effects.size(), 27u);
+  EXPECT_EQ(model->sample_effects.size(), 29u);
   for (const auto& effect : model->sample_effects) EXPECT_EQ(simulator.count(effect->id), 1u) << effect->id;
 }
 

@@ -154,22 +154,49 @@ const std::vector<PlantKind>& PlantKinds() {
   return kinds;
 }
 
+PressOptions PlantCase::With(std::initializer_list<PlantNature> natures) const {
+  PressOptions out = options;
+  out.imperfections.clear();
+  for (std::size_t k = 0; k < imperfections.size(); ++k)
+    if (std::ranges::find(natures, imperfections[k]->nature) != natures.end())
+      out.imperfections.push_back(options.imperfections[k]);
+  return out;
+}
+
 PressOptions PlantCase::ToBeFound() const {
-  PressOptions found = options;
-  const PlantNature nature = kind->nature;
-  if (nature == PlantNature::kFlagged || nature == PlantNature::kFault || nature == PlantNature::kRefused)
-    found.imperfections.clear();
-  return found;
+  return With({PlantNature::kNoise, PlantNature::kLibrary, PlantNature::kRelative});
 }
 
 PressOptions PlantCase::Reference() const {
-  PressOptions reference = options;
+  PressOptions reference = With({PlantNature::kNoise});
   reference.effects.clear();
-  if (kind->nature != PlantNature::kNoise) reference.imperfections.clear();
   return reference;
 }
 
-PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds) {
+namespace {
+
+void AddImperfection(std::mt19937_64& random, const PlantKind& kind, PlantCase& c) {
+  c.options.imperfections.push_back(DrawImperfection(random, kind));
+  c.imperfections.push_back(&kind);
+  c.right.insert(c.right.end(), kind.right.begin(), kind.right.end());
+}
+
+/// One that stands beside any other and says what is right.
+const PlantKind& FurtherKind(std::mt19937_64& random, const PlantCase& c) {
+  const auto& kinds = PlantKinds();
+  for (;;) {
+    const PlantKind& kind = kinds[random() % kinds.size()];
+    const bool plain = kind.nature == PlantNature::kNoise || kind.nature == PlantNature::kLibrary;
+    if (plain && !kind.needs_effect && &kind != c.kind &&
+        std::ranges::find(c.imperfections, &kind) == c.imperfections.end())
+      return kind;
+  }
+}
+
+}  // namespace
+
+PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds,
+                        int further) {
   std::mt19937_64 random(seed * 1000003 + static_cast<std::uint64_t>(index));
   PlantCase c;
   const std::size_t count = kinds.size(), number = static_cast<std::size_t>(index);
@@ -185,11 +212,10 @@ PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const P
     while (second.id == c.options.effects[0].id)
       second = RandomEffect(random, kSecondShare, kSecondShare * 1.001, true);
     c.options.effects.push_back(second);
-  } else {
-    c.options.imperfections = {DrawImperfection(random, *c.kind)};
   }
   for (const EffectSetting& effect : c.options.effects) c.right.push_back(effect.id);
-  c.right.insert(c.right.end(), c.kind->right.begin(), c.kind->right.end());
+  if (c.kind->name != kSecondEffect) AddImperfection(random, *c.kind, c);
+  for (int k = 0; k < further; ++k) AddImperfection(random, FurtherKind(random, c), c);
   if (c.kind->name == "one_signal_early")
     for (const std::string& id : LateSignals(c.options.imperfections[0].channel)) c.right.push_back(id);
   return c;

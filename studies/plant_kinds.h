@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <random>
 #include <string>
 #include <vector>
@@ -33,17 +34,24 @@ const std::vector<PlantKind>& PlantKinds();
 struct PlantCase {
   const PlantKind* kind = nullptr;
   PressOptions options;
-  std::vector<std::string> right;  ///< ids of everything that is hidden
-  bool has_effect = false;         ///< effects of the library are hidden beside the imperfection
+  std::vector<const PlantKind*> imperfections;  ///< kinds of those of `options`
+  std::vector<std::string> right;               ///< ids of everything that is hidden
+  bool has_effect = false;                      ///< effects of the library are hidden beside the imperfection
 
   /// What is to be found, without the readings that do not count, ...
   PressOptions ToBeFound() const;
   /// ... and the same machine with nothing to be found: how far the errors differ says whether it can be.
   PressOptions Reference() const;
+
+ private:
+  /// Imperfections of these natures alone.
+  PressOptions With(std::initializer_list<PlantNature> natures) const;
 };
 
 /// Case `index` of a campaign over `kinds`: machine, sizes and all further numbers at random, off every grid;
-/// of every two rounds through the kinds one is with a hidden effect.
-PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds);
+/// of every two rounds through the kinds one is with a hidden effect. `further`: imperfections of other kinds beside it, noise,
+/// transport or in the library.
+PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds,
+                        int further = 0);
 
 }  // namespace hydroscope

@@ -44,9 +44,10 @@ std::optional<double> BaseError(const PressOptions& options) {
 
 /// How much what is hidden raises the error of the base model.
 double ExcessOf(const PlantCase& c) {
-  if (c.options.effects.empty() && c.kind->nature != PlantNature::kLibrary &&
-      c.kind->nature != PlantNature::kRelative)
-    return 0;
+  const auto is_law = [](const PlantKind* kind) {
+    return kind->nature == PlantNature::kLibrary || kind->nature == PlantNature::kRelative;
+  };
+  if (c.options.effects.empty() && std::ranges::none_of(c.imperfections, is_law)) return 0;
   const auto found = BaseError(c.ToBeFound()), reference = BaseError(c.Reference());
   return found && reference && *reference > 0 ? std::max(0.0, *found / *reference - 1) : 0;
 }
@@ -116,6 +117,7 @@ std::string DetailLine(int index, const PlantOutcome& o) {
   std::string hidden;
   for (const EffectSetting& e : o.drawn.options.effects) hidden += fmt::format("{}={:.3g} ", e.id, e.size);
   for (const ImperfectionSetting& s : o.drawn.options.imperfections) {
+    if (!hidden.empty() && hidden.back() != ' ') hidden += ' ';
     hidden += fmt::format("{}={:.3g}", s.kind, s.size);
     for (const auto& [name, value] : s.extra) hidden += fmt::format(",{}={:.4g}", name, value);
     if (!s.channel.empty()) hidden += ",on=" + s.channel;
@@ -189,7 +191,8 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) { outcomes[k] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, kinds)); }, o.threads);
+      [&](int k) { outcomes[k] = RunPlantCase(DrawPlantCase(o.first + k, o.seed, kinds, o.further)); },
+      o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : kinds) result.kinds.emplace_back(kind->name, PlantTally{});
   for (std::size_t k = 0; k < outcomes.size(); ++k) {

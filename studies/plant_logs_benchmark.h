@@ -14,6 +14,7 @@ struct PlantLogsOptions {
   int first = 0;                   ///< number of the first: a log is drawn by its number and the seed
   std::uint64_t seed = 1;          ///< of the whole campaign
   std::vector<std::string> kinds;  ///< of PlantKinds(), empty = all
+  int further = 0;                 ///< imperfections of other kinds in the same log
   int threads = 0;                 ///< 0: one per core
   std::string details;             ///< one line per case to this tab-separated file, "" = none
 };

@@ -50,6 +50,23 @@ TEST(PlantKinds, DrawValidOptionsWithAndWithoutAnEffect) {
   }
 }
 
+TEST(PlantKinds, FurtherImperfectionsStandBesideTheFirst) {
+  std::vector<const PlantKind*> kinds;
+  for (const PlantKind& kind : PlantKinds()) kinds.push_back(&kind);
+  for (int k = 0; k < static_cast<int>(kinds.size()); ++k) {
+    const PlantCase alone = DrawPlantCase(k, 3, kinds), c = DrawPlantCase(k, 3, kinds, 2);
+    const Status valid = Validate(c.options);
+    ASSERT_TRUE(valid) << c.kind->name << ": " << valid.error().text;
+    ASSERT_EQ(c.options.imperfections.size(), alone.options.imperfections.size() + 2);
+    EXPECT_EQ(c.imperfections.size(), c.options.imperfections.size());
+    if (!alone.options.imperfections.empty()) {
+      EXPECT_EQ(c.options.imperfections[0].size, alone.options.imperfections[0].size);
+    }
+    for (const PlantKind* kind : c.imperfections)
+      for (const std::string& id : kind->right) EXPECT_THAT(c.right, testing::Contains(id));
+  }
+}
+
 TEST(GradeAnswer, ATrueNameInTheSetIsRightAndAFalseOneIsWrongUnlessFlagged) {
   const PlantCase c = CaseOf("K_drift", {"K_drift"});
   EXPECT_EQ(GradeAnswer(c, Named({{"K_drift"}})), PlantGrade::kRight);

@@ -110,16 +110,20 @@ PressOptions OfCampaign(std::uint64_t seed, int number, double least, bool one_s
   return options;
 }
 
-Explanation Explained(const PressOptions& options) {
-  return ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes))
+Explanation Explained(const PressOptions& options, const ExplainOptions& explain = {}) {
+  return ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes), explain)
       ->explanation;
 }
 
-/// A weak leak at one ram speed: in single flows it drowns, so that an error on strokes left out falls or rises by chance.
+/// A weak leak at one ram speed: in single flows it drowns, so that an error on strokes left out falls or rises by chance. A null that
+/// follows the pressure, which the library does not hold here, gains more there, and nothing is named.
 TEST(VerdictRates, ARivalNeedNotLowerTheErrorInWhichAWeakEffectDrowns) {
   const PressOptions options = OfCampaign(32001, 47, 0.3, true);
   ASSERT_EQ(options.effects.front().id, "external_leakage");
-  EXPECT_THAT(Explained(options).set, testing::Contains("external_leakage"));
+  EXPECT_THAT(Explained(options).set, testing::IsEmpty());
+  ExplainOptions without;
+  without.exclude = {"spool_null_pressure"};
+  EXPECT_THAT(Explained(options, without).set, testing::Contains("external_leakage"));
 }
 
 /// In strokes of one speed nothing contradicts a filter of the position: it smooths noise, and a delay explains nothing.
