@@ -70,6 +70,9 @@ inline Effect::LeastSpan OilWarmsBy(double kelvin) {
   return {kOilTemperature, kelvin, {"the oil", "das Öl"}, "K"};
 }
 
+/// Pressure that a parameter which follows it is stated at, Pa.
+inline constexpr double kStatedAtPressure = 100e5;
+
 /// Polytropic exponent of a gas that nobody has measured: isothermal 1.0 to adiabatic 1.4, all alike likely.
 inline constexpr double kPolytropic = 1.2, kPolytropicStd = 0.115;
 

@@ -7,7 +7,6 @@ namespace hydroscope::effects {
 /// The valve's flow gain follows the pressure beside the root of its difference, Q_vn(p) = Q_vn (1 + c (p_A - 100 bar) / 100 bar):
 /// a discharge coefficient that is none, flow forces that draw the spool from where it is read.
 Effect FlowGainPressure(const CushionGeometry&) {
-  constexpr double kStatedAtPressure = 100e5;  // Pa; only Q_vn depends on it
   Effect e;
   e.id = "flow_gain_pressure";
   e.title = "Flow gain of the valve follows the pressure";

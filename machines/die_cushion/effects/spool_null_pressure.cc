@@ -4,10 +4,9 @@
 
 namespace hydroscope::effects {
 
-/// The null of the spool follows the pressure, as data sheets of servo valves state it (up to 2 % of the stroke over 70 bar):
-/// y_0 + r (p_A - 100 bar).
+/// The null of the spool follows the pressure, as data sheets of servo valves state it of the supply's (up to 2 % of the stroke over
+/// 70 bar): y_0 + r (p_A - 100 bar).
 Effect SpoolNullPressure(const CushionGeometry&) {
-  constexpr double kStatedAtPressure = 100e5;  // Pa; only y_0 depends on it
   Effect e;
   e.id = "spool_null_pressure";
   e.title = "Null of the spool follows the pressure";
@@ -22,11 +21,11 @@ Effect SpoolNullPressure(const CushionGeometry&) {
   e.confused_with = {"external_leakage", "internal_leakage", "pressure_nonlinearity"};
   e.hidden_in = "y_0, Q_vn";
   e.plain =
-      "The spool position at which no oil flows moves with the pressure; normal to a degree (2 % over 70 bar). Look for: a "
+      "The spool position at which no oil flows moves with the pressure; normal to a degree (data sheets allow 2 % over 70 bar of supply). Look for: a "
       "valve body bolted down unevenly, a worn pilot stage, a transducer that feels the pressure.";
   e.german = {
       "Nullpunkt des Schiebers folgt dem Druck",
-      "Die Schieberstellung, bei der kein Öl fließt, wandert mit dem Druck; bis zu einem Grad ist das normal (2 % über 70 bar). "
+      "Die Schieberstellung, bei der kein Öl fließt, wandert mit dem Druck; bis zu einem Grad ist das normal (Datenblätter: 2 % über 70 bar Versorgung). "
       "Zu suchen: ein ungleich verschraubtes Ventilgehäuse, eine verschlissene Vorstufe, ein Aufnehmer, der den Druck spürt.",
       "der Druckabfall der Kammer bei abgesperrtem Ventil: ein Leck senkt ihn, ein Nullpunkt nicht"};
   e.told_apart_by =
