@@ -21,12 +21,13 @@ Effect SpoolNullPressure(const CushionGeometry&) {
   e.confused_with = {"external_leakage", "internal_leakage", "pressure_nonlinearity"};
   e.hidden_in = "y_0, Q_vn";
   e.plain =
-      "The spool position at which no oil flows moves with the pressure; normal to a degree (data sheets allow 2 % over 70 bar of supply). Look for: a "
-      "valve body bolted down unevenly, a worn pilot stage, a transducer that feels the pressure.";
+      "The spool position at which no oil flows moves with the pressure; normal to a degree (data sheets allow 2 % over 70 bar of "
+      "supply). Look for: a valve body bolted down unevenly, a worn pilot stage, a transducer that feels the pressure.";
   e.german = {
       "Nullpunkt des Schiebers folgt dem Druck",
-      "Die Schieberstellung, bei der kein Öl fließt, wandert mit dem Druck; bis zu einem Grad ist das normal (Datenblätter: 2 % über 70 bar Versorgung). "
-      "Zu suchen: ein ungleich verschraubtes Ventilgehäuse, eine verschlissene Vorstufe, ein Aufnehmer, der den Druck spürt.",
+      "Die Schieberstellung, bei der kein Öl fließt, wandert mit dem Druck; bis zu einem Grad ist das normal (Datenblätter: 2 % "
+      "über 70 bar Versorgung). Zu suchen: ein ungleich verschraubtes Ventilgehäuse, eine verschlissene Vorstufe, ein Aufnehmer, "
+      "der den Druck spürt.",
       "der Druckabfall der Kammer bei abgesperrtem Ventil: ein Leck senkt ihn, ein Nullpunkt nicht"};
   e.told_apart_by =
       "the pressure of the chamber with the valve shut off: a leak lets it fall, a null does not";
