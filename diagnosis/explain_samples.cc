@@ -359,7 +359,7 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
       return without;
     }
   }
-  // A name in doubt, of strokes parted at will, gives way to one change that leaves no doubt, or fewer strokes without a cause.
+  // A name in doubt, of strokes parted at will, gives way to one change, if that leaves no doubt or the name strokes without a cause.
   auto changed = ExplainChange(under(out.model), out, scaled, under);
   if (changed && (!parted || !changed->partial || !HaveACause(parted->odd_strokes)))
     return std::move(*changed);

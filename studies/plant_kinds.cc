@@ -83,6 +83,24 @@ std::vector<std::string> LateSignals(const std::string& early) {
   return right;
 }
 
+void AddImperfection(std::mt19937_64& random, const PlantKind& kind, PlantCase& c) {
+  c.options.imperfections.push_back(DrawImperfection(random, kind));
+  c.imperfections.push_back(&kind);
+  c.right.insert(c.right.end(), kind.right.begin(), kind.right.end());
+}
+
+/// One that stands beside any other and says what is right.
+const PlantKind& FurtherKind(std::mt19937_64& random, const PlantCase& c) {
+  const auto& kinds = PlantKinds();
+  for (;;) {
+    const PlantKind& kind = kinds[random() % kinds.size()];
+    const bool plain = kind.nature == PlantNature::kNoise || kind.nature == PlantNature::kLibrary;
+    if (plain && !kind.needs_effect && &kind != c.kind &&
+        std::ranges::find(c.imperfections, &kind) == c.imperfections.end())
+      return kind;
+  }
+}
+
 }  // namespace
 
 const std::vector<PlantKind>& PlantKinds() {
@@ -172,28 +190,6 @@ PressOptions PlantCase::Reference() const {
   reference.effects.clear();
   return reference;
 }
-
-namespace {
-
-void AddImperfection(std::mt19937_64& random, const PlantKind& kind, PlantCase& c) {
-  c.options.imperfections.push_back(DrawImperfection(random, kind));
-  c.imperfections.push_back(&kind);
-  c.right.insert(c.right.end(), kind.right.begin(), kind.right.end());
-}
-
-/// One that stands beside any other and says what is right.
-const PlantKind& FurtherKind(std::mt19937_64& random, const PlantCase& c) {
-  const auto& kinds = PlantKinds();
-  for (;;) {
-    const PlantKind& kind = kinds[random() % kinds.size()];
-    const bool plain = kind.nature == PlantNature::kNoise || kind.nature == PlantNature::kLibrary;
-    if (plain && !kind.needs_effect && &kind != c.kind &&
-        std::ranges::find(c.imperfections, &kind) == c.imperfections.end())
-      return kind;
-  }
-}
-
-}  // namespace
 
 PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds,
                         int further) {

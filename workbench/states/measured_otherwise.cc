@@ -6,8 +6,7 @@
 namespace hydroscope {
 namespace {
 
-/// Straight lines, and outputs read when inputs are, are what a file that says nothing means: where it is clearly otherwise, that is
-/// taken.
+/// A file that says nothing means straight lines, and outputs read when inputs are: another way is taken in place of these alone.
 bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
   return !other.holds_otherwise || stated.hold == LogFormat().hold;
 }

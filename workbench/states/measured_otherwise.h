@@ -11,8 +11,7 @@
 
 namespace hydroscope {
 
-/// How a log seems to have been measured where that is otherwise than the machine file says. What it leaves looks like a law that
-/// is missing.
+/// How a log seems to have been measured where that is otherwise than the machine file says, which looks like a missing law.
 struct MeasuredOtherwise {
   std::optional<OtherSampling> sampling;
   std::optional<MissingZeros> zeros;

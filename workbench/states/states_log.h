@@ -114,7 +114,7 @@ struct StatesExplained {
   /// The model describes the log but for constants that the machine file lacks: zeros of sensors, or a law.
   bool only_zeros() const {
     return zeros && explanation.verdict == Verdict::kUnknown && noise_alone() && !explanation.drift &&
-           explanation.final.added.empty();
+           !explanation.only_doubtful() && explanation.runs.empty() && explanation.final.added.empty();
   }
   /// Nothing is named, and yet errors last over many rows (StatesFit::slow).
   bool slow() const { return explanation.verdict == Verdict::kAdequate && base.slow(); }

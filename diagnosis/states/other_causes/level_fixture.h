@@ -28,7 +28,7 @@ inline Episode LevelWithZero() {
   return episode;
 }
 
-/// Its machine file, with an output and further parameters.
+/// Its machine, with `output` for y; `parameters`: further lines of the file, parameters first.
 inline Machine LevelMachine(const std::string& output, const std::string& parameters) {
   auto machine = ParseMachine(R"toml([log]
 hold = "zero"
