@@ -9,17 +9,17 @@
 namespace hydroscope::wide {
 
 template <typename Rate>
-HYDROSCOPE_WIDE void IntegrateOverTime(const Stretch& stretch, Rate rate, std::span<double> increments) {
+HYDROSCOPE_WIDE_TEMPLATE void IntegrateOverTime(const Stretch& stretch, Rate rate, std::span<double> increments) {
   hydroscope::IntegrateOverTime(stretch, rate, increments);
 }
 
 template <typename Level>
-HYDROSCOPE_WIDE void Differences(const Stretch& stretch, Level level, std::span<double> increments) {
+HYDROSCOPE_WIDE_TEMPLATE void Differences(const Stretch& stretch, Level level, std::span<double> increments) {
   hydroscope::Differences(stretch, level, increments);
 }
 
 template <typename Weight, typename Level>
-HYDROSCOPE_WIDE void IntegrateOver(const Stretch& stretch, Weight weight, Level level,
+HYDROSCOPE_WIDE_TEMPLATE void IntegrateOver(const Stretch& stretch, Weight weight, Level level,
                                    std::span<double> increments) {
   hydroscope::IntegrateOver(stretch, weight, level, increments);
 }

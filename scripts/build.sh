@@ -7,7 +7,7 @@ preset=${1:-release}
 shift || true
 case "$preset" in
   bench) scripts/setup.sh --bench ;;
-  sanitize | tsan) scripts/setup.sh --clang ;;
+  sanitize | tsan) scripts/setup.sh --sanitize ;;
   *) scripts/setup.sh ;;
 esac
 cmake --preset "$preset" > "/tmp/hydroscope-configure.$$" || { cat "/tmp/hydroscope-configure.$$"; exit 1; }

@@ -4,8 +4,8 @@
 #   scripts/fuzz.sh 600        ten minutes each
 #   scripts/fuzz.sh 600 csv mat  these alone
 # HYDROSCOPE_FUZZ_JOBS of them (2) run at a time. What was found stays in build/sanitize/corpus and is where the next run
-# begins. A crash stops it and leaves its input there as crash-*. Built as scripts/sanitize.sh builds; installs clang if it
-# is missing.
+# begins. A crash stops it and leaves its input there as crash-*. Built as scripts/sanitize.sh builds; installs what
+# that needs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

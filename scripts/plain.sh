@@ -1,14 +1,13 @@
 #!/usr/bin/env bash
-# Looks at every source by itself, with clang: a name or header of ours that only sources compiled together with it bring along
-# (HYDROSCOPE_UNITY) fails here, and so does what GCC alone takes. Nothing is generated. Needs build/release (scripts/build.sh),
-# whose include paths and generated headers it uses. Usage:
+# Looks at every source by itself: a name or header of ours that only sources compiled together with it bring along
+# (HYDROSCOPE_UNITY) fails here. Nothing is generated. Needs build/release (scripts/build.sh), whose include paths and
+# generated headers it uses. Usage:
 #   scripts/plain.sh            all but tests, four minutes
 #   scripts/plain.sh --quarter  every fourth of them, others after each commit
 #   scripts/plain.sh FILE...
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-command -v clang++ >/dev/null || scripts/setup.sh --clang
 read -ra paths <<<"$(grep -oE -- '(-I|-isystem )[^ "]+' build/release/compile_commands.json | sort -u | tr '\n' ' ')"
 every=1
 if [[ ${1:-} == --quarter ]]; then every=4 && shift; fi

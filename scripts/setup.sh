@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs what building Hydroscope needs on Debian 12, without questions. Does nothing if all is there.
-#   scripts/setup.sh           to build and to run the tests
-#   scripts/setup.sh --bench   and the benchmarks with the programs they compare with
-#   scripts/setup.sh --clang   and what builds with sanitizers and the fuzz targets
-#   scripts/setup.sh --style   and what formats the sources
+#   scripts/setup.sh             to build and to run the tests
+#   scripts/setup.sh --bench     and the benchmarks with the programs they compare with
+#   scripts/setup.sh --sanitize  and what builds with sanitizers and the fuzz targets
+#   scripts/setup.sh --style     and what formats the sources
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build pkg-config
+  clang g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev
   libsqlitecpp-dev libsqlite3-dev sqlite3 nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
@@ -19,8 +19,8 @@ for option in "$@"; do
   case "$option" in
     --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev libpagmo-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
     --style) packages+=(clang-format) ;;
-    --clang) packages+=(clang libclang-rt-14-dev) ;;
-    *) echo "setup.sh: unknown option '$option', expected --bench, --clang or --style" >&2; exit 2 ;;
+    --sanitize) packages+=(libclang-rt-14-dev) ;;
+    *) echo "setup.sh: unknown option '$option', expected --bench, --sanitize or --style" >&2; exit 2 ;;
   esac
 done
 

