@@ -9,7 +9,8 @@
 namespace hydroscope::wide {
 
 template <typename Rate>
-HYDROSCOPE_WIDE_TEMPLATE void IntegrateOverTime(const Stretch& stretch, Rate rate, std::span<double> increments) {
+HYDROSCOPE_WIDE_TEMPLATE void IntegrateOverTime(const Stretch& stretch, Rate rate,
+                                                std::span<double> increments) {
   hydroscope::IntegrateOverTime(stretch, rate, increments);
 }
 
@@ -20,7 +21,7 @@ HYDROSCOPE_WIDE_TEMPLATE void Differences(const Stretch& stretch, Level level, s
 
 template <typename Weight, typename Level>
 HYDROSCOPE_WIDE_TEMPLATE void IntegrateOver(const Stretch& stretch, Weight weight, Level level,
-                                   std::span<double> increments) {
+                                            std::span<double> increments) {
   hydroscope::IntegrateOver(stretch, weight, level, increments);
 }
 
