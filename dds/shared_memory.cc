@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <ctime>
+#include <chrono>
 #include <random>
 #include <string>
 
@@ -17,11 +17,11 @@ namespace fs = std::filesystem;
 
 constexpr char kPrefix[] = "fastrtps_";
 
-/// s since the file was made or last changed.
+/// s since the file was made or last changed. std::time() would not do: its clock is coarse and can be behind the file's.
 double Age(const fs::path& file) {
-  struct stat found {};
-  if (stat(file.c_str(), &found) != 0) return 0;
-  return std::difftime(std::time(nullptr), found.st_mtime);
+  std::error_code gone;
+  const fs::file_time_type changed = fs::last_write_time(file, gone);
+  return gone ? 0 : std::chrono::duration<double>(fs::file_time_type::clock::now() - changed).count();
 }
 
 /// A lock file is free if nobody holds it; the library keeps it locked as long as its process lives.

@@ -7,7 +7,7 @@
 set -euo pipefail
 
 packages=(
-  clang g++ cmake ninja-build pkg-config
+  clang lld g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev
   libsqlitecpp-dev libsqlite3-dev sqlite3 nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
