@@ -81,8 +81,8 @@ const std::vector<Reserved> kReservedWords = {
     {"system_clock", {"host/", "live/", "studies/", "cli/"}},
     {"high_resolution_clock", {"studies/"}},
     {"clock_gettime", {"studies/", "dds/steady_waits.cc"}},  // which waits in the library's place
-    {"std::time(", {}},  // coarse: it can be behind the time of a file
-    {"file_time_type::clock", {"dds/shared_memory.cc"}},  // age of what killed processes left behind
+    {"std::time(", {}},                                      // coarse: it can be behind the time of a file
+    {"file_time_type::clock", {"dds/shared_memory.cc"}},     // age of what killed processes left behind
     {"getenv", {"host/", "cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
     {"<sys/socket.h>",
