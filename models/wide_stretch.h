@@ -5,7 +5,7 @@
 #include "models/stretch.h"
 
 /// The functions of models/stretch.h for arguments that are costly and free of branches (exponentials,
-/// logarithms, roots, quotients): on the widest vectors the processor has.
+/// logarithms, roots, quotients): on the widest vectors the processor has (HYDROSCOPE_WIDE_TEMPLATE).
 namespace hydroscope::wide {
 
 template <typename Rate>
