@@ -159,7 +159,8 @@ void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
 /// Block means of features: `visit(k, add)` calls add(f, x) for what feature f gains from sample k to sample k + 1 (in the level form:
 /// is at sample k).
 template <typename Visit>
-void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const {
+[[gnu::always_inline]] inline void FeatureBanks::SumBlocks(int features, int blocks, BlockColumns& rows,
+                                                           Visit visit) const {
   rows.means.resize(features, blocks);
   rows.noise.resize(features, blocks);
   std::vector<BlockWeights> sums(features);

@@ -15,7 +15,8 @@ using Entry = TangentEntries::Entry;
 
 /// out = df/dp + what added terms give; 0 in rows of states that are held. Written for all stages before any is read: reading
 /// whole vectors of what has just been written number by number makes the processor wait.
-inline void PutOwnSlopes(const TangentShape& shape, const TangentPoint& point, double* out) {
+[[gnu::always_inline]] inline void PutOwnSlopes(const TangentShape& shape, const TangentPoint& point,
+                                                double* out) {
   const int columns = shape.columns;
   std::fill_n(out, shape.states * columns, 0.0);
   for (const auto& [row, column, place] : shape.entries.by_parameters)
@@ -56,8 +57,8 @@ template <int kCount>
 }
 
 /// out += J s.
-inline void AddMovedSlopes(const TangentShape& shape, const TangentPoint& point, const double* s,
-                           double* out) {
+[[gnu::always_inline]] inline void AddMovedSlopes(const TangentShape& shape, const TangentPoint& point,
+                                                  const double* s, double* out) {
   const int columns = shape.columns;
   const Entry *entry = shape.entries.by_states.data(), *last = entry + shape.entries.by_states.size();
   while (entry != last) {
@@ -65,7 +66,7 @@ inline void AddMovedSlopes(const TangentShape& shape, const TangentPoint& point,
     const Entry* end = entry;
     while (end != last && end->row == row) ++end;
     int c = 0;
-    const auto add = [&]<int kCount>(std::integral_constant<int, kCount>) {
+    const auto add = [&]<int kCount>(std::integral_constant<int, kCount>) __attribute__((always_inline)) {
       for (; c + kCount * kSensitivityPadding <= columns; c += kCount * kSensitivityPadding)
         AddProducts<kCount>(entry, end, point.registers, s + c, columns, out + row * columns + c);
     };
@@ -108,7 +109,7 @@ HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentP
   for (std::size_t stage = 0; stage + 1 < kExplicitStages; ++stage)
     PutOwnSlopes(shape, stages[stage], k + stage * size);
   AddMovedSlopes(shape, stages[0], s, k);
-  const auto take = [&]<int kStage>(std::integral_constant<int, kStage>) {
+  const auto take = [&]<int kStage>(std::integral_constant<int, kStage>) __attribute__((always_inline)) {
     SlopesAtStage<kStage>(s, k, step, size, end);
     AddMovedSlopes(shape, stages[kStage], end, k + kStage * size);
   };

@@ -88,13 +88,14 @@ template <typename Count>
 
 /// Each register is a column of `count` samples. No instruction writes what it reads.
 template <typename Count>
-void Execute(const std::vector<ExpressionProgram::Instruction>& code, double* registers, Count count) {
+[[gnu::always_inline]] inline void Execute(const std::vector<ExpressionProgram::Instruction>& code,
+                                           double* registers, Count count) {
   for (const ExpressionProgram::Instruction& i : code) {
     double* __restrict to = registers + static_cast<std::ptrdiff_t>(i.to) * count;
     const double* a = registers + static_cast<std::ptrdiff_t>(i.a) * count;
     const double* b = registers + static_cast<std::ptrdiff_t>(i.b) * count;
     const double* c = registers + static_cast<std::ptrdiff_t>(i.c) * count;
-    const auto each = [&](auto operation) {
+    const auto each = [&](auto operation) __attribute__((always_inline)) {
       for (int k = 0; k < count; ++k) to[k] = operation(a[k], b[k], c[k]);
     };
 #define HYDROSCOPE_CASE(name)                                                                       \
