@@ -3,6 +3,7 @@
 /// HYDROSCOPE_WIDE before a function has it compiled for any x86-64, for AVX2 and for AVX-512; which one runs
 /// is settled when the program starts, by the processor it runs on. All give the same result to the bit:
 /// loops keep their order and products are not fused with sums (-ffp-contract=off in CMakeLists.txt).
+/// What such a function calls is compiled with it where it is always_inline; GCC takes in all of it (flatten), clang does not.
 /// HYDROSCOPE_WIDE_TEMPLATE before a template does the same where the compiler can (clang 14 cannot).
 /// Sanitizers cannot intercept such functions, so they see the plain one.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -13,12 +14,14 @@
 #endif
 #endif
 
-#if defined(__x86_64__) && defined(__linux__) && !defined(HYDROSCOPE_SANITIZED) && defined(__clang__)
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(HYDROSCOPE_SANITIZED)
 #define HYDROSCOPE_HAS_WIDE
+#endif
+
+#if defined(HYDROSCOPE_HAS_WIDE) && defined(__clang__)
 #define HYDROSCOPE_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #define HYDROSCOPE_WIDE_TEMPLATE
-#elif defined(__x86_64__) && defined(__linux__) && !defined(HYDROSCOPE_SANITIZED) && defined(__GNUC__)
-#define HYDROSCOPE_HAS_WIDE
+#elif defined(HYDROSCOPE_HAS_WIDE)
 #define HYDROSCOPE_WIDE __attribute__((flatten, target_clones("avx512f", "avx2", "default")))
 #define HYDROSCOPE_WIDE_TEMPLATE HYDROSCOPE_WIDE
 #else

@@ -25,7 +25,7 @@ filesIn(folder).forEach((file, index) => {
   if (!type) return;
   const content = gzipSync(readFileSync(file), { level: 9 });
   const path = file === join(folder, "index.html") ? "/" : file.slice(folder.length);
-  // One literal: a compiler reads it forty times faster than a list of numbers.
+  // One literal: a compiler reads it faster than a list of numbers.
   const literal = [...content].map((byte) => "\\" + byte.toString(8).padStart(3, "0")).join("");
   bytes += `constexpr char kBytes${index}[] = "${literal}";\n`;
   table += `    {"${path}", "${type}", {kBytes${index}, sizeof(kBytes${index}) - 1}, true},\n`;
