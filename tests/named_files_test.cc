@@ -1,5 +1,6 @@
 // Files and folders that the documents and the comments of sources name, which must be there.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,6 +89,27 @@ TEST(NamedFiles, OfCommentsInSourcesAreThere) {
     }
   }
   EXPECT_GT(files, 1000);
+}
+
+/// What tests/long_tests.txt leaves out of the everyday run: folder and name of a test.
+TEST(NamedFiles, LongTestsAreThere) {
+  const fs::path root = HYDROSCOPE_SOURCE_DIR;
+  std::ifstream in(root / "tests/long_tests.txt");
+  int count = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with('#')) continue;
+    ++count;
+    const std::size_t space = line.find(' '), dot = line.find('.');
+    ASSERT_LT(space, dot) << line;
+    const std::string test =
+        fmt::format("({}, {}) {{", line.substr(space + 1, dot - space - 1), line.substr(dot + 1));
+    const auto files = fs::recursive_directory_iterator(root / line.substr(0, space));
+    EXPECT_TRUE(std::any_of(begin(files), end(files), [&](const fs::directory_entry& file) {
+      return file.path().string().ends_with("_test.cc") &&
+             TextOf(file.path()).find(test) != std::string::npos;
+    })) << line;
+  }
+  EXPECT_GT(count, 10);
 }
 
 TEST(NamedFiles, FindsOneThatIsNotThere) {
