@@ -7,6 +7,7 @@
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_faults/sensor_ends.h"
 #include "pipeline/raw_log.h"
 
@@ -86,6 +87,7 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
   EpisodeLog out;
   out.machine = machine;
   for (const std::string& log : logs) {
+    TRY(JudgeSizes(log, machine));
     auto rows = TRY(ReadRows(log, machine, out));
     LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
     for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))

@@ -37,19 +37,18 @@ void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
       }
 }
 
-/// A time column without a telling name rises in every row with nearly constant steps; a row counter does too
-/// and is only taken if there is nothing better.
+/// A time column without a telling name rises in every row with nearly constant steps. A counter of rows does too, in steps of
+/// 1, and says nothing of the time between them.
 void TimeByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   if (Taken(roles, Role::kTime)) return;
-  for (const bool counter : {false, true})
-    for (std::size_t i = 0; i < head.columns.size(); ++i) {
-      const LogColumn& column = head.columns[i];
-      if (Used(roles, i) || !column.rising || (column.step == 1) != counter) continue;
-      roles.push_back({i, Role::kTime,
-                       Tell("rises in every row, by {:.4g}", "steigt in jeder Zeile, um {:.4g}", column.step),
-                       !counter});
-      return;
-    }
+  for (std::size_t i = 0; i < head.columns.size(); ++i) {
+    const LogColumn& column = head.columns[i];
+    if (Used(roles, i) || !column.rising || column.step == 1) continue;
+    roles.push_back({i, Role::kTime,
+                     Tell("rises in every row, by {:.4g}", "steigt in jeder Zeile, um {:.4g}", column.step),
+                     true});
+    return;
+  }
 }
 
 /// Over the rows in which both are known; `a0` and `b0`, about which they are summed, keep rounding small.

@@ -55,12 +55,13 @@ class Proposer {
     const ColumnRole* time = Find(Role::kTime);
     if (time == nullptr) {
       machine().log.time_column = "";
-      machine().log.sample_period = 0.001;
       result_.open.emplace_back(
-          "[log] sample_period: no time column found; write the time between rows in s (0.001 is a guess)",
-          "[log] sample_period: keine Zeitspalte gefunden; den Zeitabstand der Zeilen in s angeben (0,001 ist geraten)");
-      notes_.section["log"].emplace_back(
-          "<-- FILL IN sample_period: the log has no time column, 0.001 s is a guess");
+          "[log] sample_period: no column of times found (a counter of rows is none); write the time between rows in s",
+          "[log] sample_period: keine Zeitspalte gefunden (ein Zeilenzähler ist keine); den Zeitabstand der Zeilen in s "
+          "angeben");
+      notes_.section["log"] = {
+          "<-- FILL IN the time between rows in s and remove the leading '# ' of the next line:",
+          "sample_period = 0.001"};
       return;
     }
     const LogColumn& column = head_.columns[time->column];

@@ -353,6 +353,30 @@ TEST(MachineProposal, SaysWhenTheLogIsTooSlow) {
   EXPECT_THAT(InEnglish(Propose(text).open), Contains(HasSubstr("10 rows per second")));
 }
 
+/// It says nothing of the time between them, and a wrong time makes every flow wrong.
+TEST(MachineProposal, ACounterOfRowsIsNoTime) {
+  for (const char* name : {"Index", "sample", "Record", "No."}) {
+    int count = 0;
+    const MachineProposal proposal =
+        Propose(PressLog(name + std::string(",p_A,z,y_v\n"), [&](const PressRow& r) {
+          return fmt::format("{},{:.0f},{:.6f},{:.6f}", count++, r.p_A, r.z, r.y_v);
+        }));
+    EXPECT_EQ(proposal.machine.log.time_column, "") << name;
+    EXPECT_THAT(InEnglish(proposal.open), Contains(HasSubstr("sample_period"))) << name;
+    const auto machine = ParseMachine(proposal.text, "log.toml");
+    ASSERT_FALSE(machine) << name;
+    EXPECT_THAT(machine.error().text, HasSubstr("sample_period")) << name;
+  }
+}
+
+TEST(MachineProposal, TakesNanosecondsForWhatTheyAre) {
+  const MachineProposal proposal = Propose(PressLog("t,p_A,z,y_v\n", [](const PressRow& r) {
+    return fmt::format("{:.0f},{:.0f},{:.6f},{:.6f}", 1e9 * r.t, r.p_A, r.z, r.y_v);
+  }));
+  EXPECT_EQ(proposal.machine.log.time_unit, "ns");
+  ExpectLoads(proposal);
+}
+
 TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {
   const MachineProposal proposal = Propose(PressLog("Zeit,p_A,z,y_v\n", [](const PressRow& r) {
     return fmt::format("{:.11f},{:.0f},{:.6f},{:.6f}", 45123.5 + r.t / 86400, r.p_A, r.z, r.y_v);

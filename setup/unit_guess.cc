@@ -117,7 +117,7 @@ std::optional<UnitGuess> TimeByCycles(const LogColumn& column, double rows_per_c
   if (!(rows_per_cycle > 0)) return std::nullopt;
   std::optional<UnitGuess> best;
   double least = 0;
-  for (const char* name : {"s", "ms", "us"}) {
+  for (const char* name : {"s", "ms", "us", "ns"}) {
     const double cycle = rows_per_cycle * column.step * FindUnit(name)->scale;
     if (cycle < kShortest || cycle > kLongest) continue;
     const double away = std::abs(std::log(cycle / kUsual));

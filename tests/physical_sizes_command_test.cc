@@ -79,6 +79,24 @@ TEST_F(PhysicalSizes, HotOilInAColumnThatSaysItsUnitIsAQuestion) {
               AllOf(HasSubstr("T_oil"), HasSubstr("unit = \"degF\"")));
 }
 
+/// Of machines with states too, whose fit would run for long to no end.
+TEST_F(PhysicalSizes, AWrongUnitOfAPumpOrAnAxis) {
+  for (const auto& [machine, log, signal] : {std::tuple("pump", "pump", "outlet_pressure"),
+                                             {"flexible_axis", "flexible-axis", "pressure_1"},
+                                             {"manipulator", "manipulator", "p_11"}}) {
+    ASSERT_EQ(Run({"simulate", log, "--out", File("log.csv"), "--quiet"}).exit_code, 0) << log;
+    const std::string text = ReadText(std::string(HYDROSCOPE_SOURCE_DIR "/machines/") + machine + ".toml");
+    const std::regex pascal("(\n" + std::string(signal) + " *= *\\{[^}]*)unit = \"Pa\"");
+    ASSERT_TRUE(std::regex_search(text, pascal)) << machine;
+    WriteText(File("wrong.toml"), std::regex_replace(text, pascal, "$1unit = \"bar\""));
+    for (const char* command : {"fit", "compare", "explain"}) {
+      const Ran ran = Run({command, File("log.csv"), "-m", File("wrong.toml")});
+      EXPECT_EQ(ran.exit_code, 3) << command;
+      EXPECT_THAT(ran.out + ran.err, AllOf(HasSubstr(signal), HasSubstr("set unit = \"Pa\""))) << command;
+    }
+  }
+}
+
 TEST_F(PhysicalSizes, AnImpossibleAreaOrPressureDrop) {
   const std::string log = Simulate("a.csv", 30, 3);
   ExpectRefused(log, MachineWith("(A_A *= *\\{ *value *= *)[0-9.]+", "$1 1250000"), HasSubstr("piston area"));

@@ -11,16 +11,20 @@ namespace {
 
 namespace axis = flexible_axis;
 
+constexpr PlausibleSize kTravelOfAxis{1e-4, 50, PlausibleSize::kTravel}, kChamber{1e5, 1e8};
+
 constexpr std::array<MachineInput, 6> kAxisSignals = {{
-    Measured("U", "V", {"command of the valve", "Ventilbefehl"}, "uv ucmd usoll ventilbefehl ventilspannung"),
+    Measured("U", "V", {"command of the valve", "Ventilbefehl"}, "uv ucmd usoll ventilbefehl ventilspannung",
+             PlausibleSize{0.01, 30}),
     Measured("position", "m", {"position of the piston", "Position des Kolbens"},
-             "xp kolbenweg kolbenposition"),
+             "xp kolbenweg kolbenposition", kTravelOfAxis),
     MayBeMeasured("load_position", "m", {"position of the load", "Position der Last"},
-                  "xl lastweg lastposition"),
+                  "xl lastweg lastposition", kTravelOfAxis),
     MayBeMeasured("acceleration", "m/s2", {"acceleration of the piston", "Beschleunigung des Kolbens"},
                   "ap a beschleunigung"),
-    Measured("pressure_1", "Pa", {"pressure on the piston side", "Druck auf der Kolbenseite"}, "p1"),
-    Measured("pressure_2", "Pa", {"pressure on the rod side", "Druck auf der Stangenseite"}, "p2"),
+    Measured("pressure_1", "Pa", {"pressure on the piston side", "Druck auf der Kolbenseite"}, "p1",
+             kChamber),
+    Measured("pressure_2", "Pa", {"pressure on the rod side", "Druck auf der Stangenseite"}, "p2", kChamber),
 }};
 
 constexpr std::array<MachineInput, 17> kAxisGeometry = {{

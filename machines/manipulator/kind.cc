@@ -10,7 +10,7 @@ namespace hydroscope {
 namespace {
 
 constexpr MachineInput Angle(std::string_view name, Wording meaning) {
-  return Measured(name, "rad", meaning);
+  return Measured(name, "rad", meaning, PlausibleSize{0, 7});
 }
 constexpr MachineInput Pressure(std::string_view name, Wording meaning) {
   return Measured(name, "Pa", meaning, PlausibleSize{5e5, 1e8});

@@ -12,19 +12,22 @@
 namespace hydroscope {
 namespace {
 
+// Control pressure, and the outlet of a pump that turns.
+constexpr PlausibleSize kControl{0, 1e8}, kOutlet{1e5, 1e8};
+
 constexpr std::array<MachineInput, 5> kPumpSignals = {{
     Measured("shaft_speed", "rad/s", {"speed of the shaft", "Drehzahl der Welle"},
-             "n speed drehzahl npump omega"),
+             "n speed drehzahl npump omega", PlausibleSize{1, 1000}),
     Measured("load_flow", "m3/s", {"flow into the load", "Volumenstrom in die Last"},
-             "q flow volumenstrom durchfluss qload qlast"),
+             "q flow volumenstrom durchfluss qload qlast", PlausibleSize{1e-6, 0.1}),
     Measured("outlet_pressure", "Pa", {"pressure at the outlet", "Druck am Ausgang"},
-             "ps p pout poutlet pumpendruck systemdruck"),
+             "ps p pout poutlet pumpendruck systemdruck", kOutlet),
     MayBeMeasured("control_pressure", "Pa", {"pressure in the control chamber", "Druck in der Stellkammer"},
-                  "pc pcontrol stelldruck"),
+                  "pc pcontrol stelldruck", kControl),
     MayBeMeasured("control_position", "m",
                   {"position of the control piston, 0 at full displacement",
                    "Weg des Stellkolbens, 0 bei vollem Fördervolumen"},
-                  "xp xc stellkolben stellweg"),
+                  "xp xc stellkolben stellweg", PlausibleSize{1e-6, 1, PlausibleSize::kTravel}),
 }};
 
 constexpr std::array<MachineInput, 15> kPumpGeometry = {{

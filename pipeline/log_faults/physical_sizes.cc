@@ -42,6 +42,10 @@ std::vector<const char*> UsualUnits(std::string_view si) {
   if (si == "Pa") return {"Pa", "bar", "MPa", "kPa", "psi", "mbar"};
   if (si == "m") return {"mm", "m", "cm", "um"};
   if (si == "K") return {"degC", "K", "degF"};
+  if (si == "m3/s") return {"l/min", "m3/s", "m3/h"};
+  if (si == "rad/s") return {"rpm", "rad/s"};
+  if (si == "rad") return {"deg", "rad"};
+  if (si == "V") return {"V", "mV"};
   return {"1", "%"};
 }
 
