@@ -111,8 +111,9 @@ void TakeParameters(const ClosedLoopPlant& plant, LoopResponse& response) {
 void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, const TransferModel& model,
              const std::vector<double>& known, LoopResponse& response) {
   auto fit = FitTransfer(spectra, used, model);
-  if (!fit) {
-    response.no_fit = ToldOf(fit.error());
+  const Status follows = fit ? CheckThatItFollows(*model.plant, *fit, spectra.sample_period) : Status();
+  if (!fit || !follows) {
+    response.no_fit = ToldOf(fit ? follows.error() : fit.error());
     return;
   }
   response.fit = std::move(*fit);

@@ -106,6 +106,29 @@ TEST(ClosedLoop, MoreNoiseAsksForALongerRecord) {
   EXPECT_THAT(loud->warnings.front().english, HasSubstr("too short for the precision wanted"));
 }
 
+/// Of a logger that takes every second or eighth row of the controller.
+TEST(ClosedLoop, RowsThatAreSlowerThanTheControllerGiveNoParameters) {
+  TestCylinderOptions o{.seconds = 60, .seed = 3};
+  const FrequencyRecord every = RecordOf(o);
+  for (const std::size_t apart : {2, 8}) {
+    FrequencyRecord record{static_cast<double>(apart) * o.sample_period, {{0, {}, {}, {}}}};
+    const SignalRun& from = every.runs[0];
+    SignalRun& to = record.runs[0];
+    for (std::size_t row = 0; row < from.input.size(); row += apart) {
+      to.input.push_back(from.input[row]);
+      to.output.push_back(from.output[row]);
+      to.set_point.push_back(from.set_point[row]);
+    }
+    TransferModel held = ModelOf(o);
+    held.hold = record.sample_period;
+    const auto response = MeasureClosedLoop(record, held);
+    ASSERT_TRUE(response) << apart;
+    EXPECT_FALSE(response->fit) << apart;
+    EXPECT_TRUE(response->parameters.empty()) << apart;
+    EXPECT_THAT(response->no_fit.english, HasSubstr("slower than the controller")) << apart;
+  }
+}
+
 TEST(ClosedLoop, WhatCannotBeMeasuredIsSaid) {
   const TestCylinderOptions o{.seconds = 10};
   FrequencyRecord still = RecordOf(o);
