@@ -294,6 +294,8 @@ void QualityMonitor::GiveOut(std::size_t rows, std::size_t kept, std::size_t cha
   std::copy_n(column_.begin() + given, kHistory, track.before.begin());
   std::copy_n(column_.begin() + kHistory + given, kept, track.held.begin());
   std::copy_n(flags_.begin() + given, kept, track.held_quality.begin());
+  channels_[channel].cut_off = {track.extremes[0].cut ? track.extremes[0].value : kNaN,
+                                track.extremes[1].cut ? -track.extremes[1].value : kNaN};
   channels_[channel].noise_std = track.scale > 0 ? track.scale / kMedianThirdDifference : kNaN;
 }
 

@@ -22,6 +22,9 @@ struct ChannelQuality {
   std::array<std::int64_t, 16> flagged{};  ///< values per quality flag (bit number), whoever set it
   /// SI, white sensor noise; NaN until 64 values changed.
   double noise_std = std::numeric_limits<double>::quiet_NaN();
+  /// SI, highest and lowest reading where the noise is cut off there: a sensor or converter at its limit; NaN where it is not.
+  std::array<double, 2> cut_off = {std::numeric_limits<double>::quiet_NaN(),
+                                   std::numeric_limits<double>::quiet_NaN()};
   double first_bad = std::numeric_limits<double>::quiet_NaN();  ///< s, first value with any flag; NaN if none
   double last_bad = std::numeric_limits<double>::quiet_NaN();   ///< s
 };

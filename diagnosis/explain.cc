@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -16,6 +18,9 @@
 
 namespace hydroscope {
 namespace {
+
+/// Below which a half is fitted by too few strokes.
+constexpr int kStrokesOfHalves = 8;
 
 using Groups = std::vector<std::vector<std::string>>;
 
@@ -454,6 +459,48 @@ void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   out.groups.clear();
 }
 
+/// Rms that the model leaves on that half of the strokes, fitted by itself, on which it leaves less; infinite if neither can be.
+double LeftOnBetterHalf(const StrokeSet& strokes, std::span<const EffectChoice> choices) {
+  std::vector<std::size_t> all(static_cast<std::size_t>(strokes.strokes()));
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::span<const std::size_t> each(all);
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto half : {each.first(all.size() / 2), each.subspan(all.size() / 2)}) {
+    const ExtendedFit fit = strokes.Only(half).Fit(choices);
+    if (fit.solved) least = std::min(least, fit.rms_residual);
+  }
+  return least;
+}
+
+/// A log of two machines, or of one that was changed, bends the fit until noise alone would leave as much as it does.
+void RefuseUnbelievableNoise(const StrokeSet& strokes, const ExplainOptions& options,
+                             std::span<const EffectChoice> start, Explanation& out) {
+  const ExtendedFit& fit = out.final.solved ? out.final : out.base;
+  if (out.verdict == Verdict::kUnknown || !fit.solved || strokes.strokes() < kStrokesOfHalves) return;
+  const double times = fit.noise_floor / LeftOnBetterHalf(strokes, start);
+  if (!(times > options.noise_of_half)) return;
+  out.verdict = Verdict::kUnknown;
+  out.partial = true;
+  out.set.clear();
+  out.groups.clear();
+  out.doubt = Tell(
+      "noise alone is said to leave {:.2g} times what the model as it is leaves on one half of the strokes fitted by itself: they are "
+      "not of one machine in one state (another axis, a part exchanged, a setting changed); explain the parts one by one",
+      "Rauschen allein ließe angeblich {:.2g}-mal so viel übrig wie das Modell, so wie es ist, auf einer Hälfte der Hübe für sich: sie "
+      "sind nicht von einer Maschine in einem Zustand (andere Achse, getauschtes Teil, geänderte Einstellung); die Teile einzeln "
+      "erklären",
+      times);
+}
+
+/// What is named is no effect that cannot be tested here.
+void TakeNamedAsTested(Explanation& out) {
+  for (RankedEffect& ranked : out.ranking) {
+    if (!Contains(out.set, ranked.id)) continue;
+    ranked.testable = true;
+    ranked.why_not = {};
+  }
+}
+
 /// The intervals of the models before and after, where strokes hang together; the search is done. Those of
 /// the ranking stay by stroke, as it was weighed.
 void WidenShown(const StrokeSet& strokes, Explanation& out) {
@@ -489,6 +536,8 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
                                                : ExplainByStrokes(used, options, start);
   RefuseWhatDoesNotLowerTheError(out);
+  RefuseUnbelievableNoise(used, options, start.choices, out);
+  TakeNamedAsTested(out);
   WidenShown(used, out);
   return out;
 }

@@ -123,6 +123,9 @@ struct ExplainOptions {
   double chance_at_floor = 1e-4;
   /// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
   double sure_of_more = 1e-6;
+  /// Noise that would leave so many times as much as the model as it is leaves on one half of the strokes, fitted by itself, is
+  /// not believable: what bends a fit also bends the noise it lets through.
+  double noise_of_half = 2;
   /// Share of DerivedParameter::useful_std by which an effect too small for a name may move a parameter without a word: a tenth
   /// of the value, of one without a unit 0.017.
   double biased = 1.0 / 3;

@@ -7,6 +7,7 @@
 #include "models/machine_kind.h"
 #include "pipeline/log_faults/broken_strokes.h"
 #include "pipeline/log_faults/physical_sizes.h"
+#include "pipeline/log_faults/sensor_ends.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/time_stamps.h"
@@ -147,6 +148,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (const Told broken = BrokenUp(pass.channels, machine, std::ssize(out.strokes), out.discarded_strokes);
       !broken.empty())
     out.swapped.push_back(Tell("{}: {}", "{}: {}", log, broken));
+  for (const Told& end : CutOffTexts(pass.channels, machine)) out.notes.push_back(log + ": " + end.english);
   for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
 }

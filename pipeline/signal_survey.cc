@@ -13,8 +13,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kGapPeriods = 1.5;
-
 std::string ConditionText(const Machine& machine, const GateBound& bound) {
   const int index = machine.SignalIndex(bound.signal);
   const auto unit = index < 0 ? std::nullopt : FindUnit(machine.signals[index].unit);
@@ -48,13 +46,14 @@ SignalSurvey::SignalSurvey(const Machine& machine, double sample_period)
 }
 
 void SignalSurvey::Observe(const SampleBlock& block) {
-  for (const double time : block.time) ObserveTime(time);
+  for (std::size_t row = 0; row < block.rows(); ++row)
+    ObserveTime(block.time[row], !block.quality.empty() && (block.quality[0][row] & quality::kGap) != 0);
   for (std::size_t signal = 0; signal < ranges_.size(); ++signal) ObserveSignal(block, signal);
   for (Condition& condition : conditions_)
     if (condition.signal >= 0) ObserveCondition(block, condition);
 }
 
-void SignalSurvey::ObserveTime(double time) {
+void SignalSurvey::ObserveTime(double time, bool gap) {
   if (time_.rows++ == 0) {
     time_.first = time_.last = time;
     return;
@@ -63,7 +62,7 @@ void SignalSurvey::ObserveTime(double time) {
   time_.last = time;
   if (!(step > 0)) {
     ++time_.not_forward;
-  } else if (step > kGapPeriods * period_) {
+  } else if (gap) {
     ++time_.gaps;
     time_.longest_gap = std::max(time_.longest_gap, step);
   } else {
@@ -109,12 +108,16 @@ void SignalSurvey::JudgeBlock(Condition& c) const {
   c.sum = 0;
   c.count = 0;
   c.whole = true;
+  c.held_in.push_back(false);
+  c.mirrored_in.push_back(false);
   if (c.blocks < (c.rate ? 3 : 1)) return;
   const double signed_x = c.rate ? (c.mean[2] - c.mean[0]) / (2 * block_rows_ * period_) : c.mean[2];
   const double x = c.magnitude ? std::abs(signed_x) : signed_x;
   ++c.judged;
-  if (x >= c.min && x <= c.max) ++c.held;
-  if (-x >= c.min && -x <= c.max) ++c.held_mirrored;
+  c.held_in.back() = x >= c.min && x <= c.max;
+  c.mirrored_in.back() = -x >= c.min && -x <= c.max;
+  c.held += c.held_in.back();
+  c.held_mirrored += c.mirrored_in.back();
 }
 
 TimeSurvey SignalSurvey::time() const {
@@ -132,6 +135,28 @@ std::vector<ConditionSurvey> SignalSurvey::conditions() const {
                    static_cast<double>(conditions_[i].held_mirrored) / judged});
   }
   return out;
+}
+
+GateSurvey SignalSurvey::gate() const {
+  std::size_t blocks = conditions_.empty() ? 0 : conditions_.front().held_in.size();
+  for (const Condition& c : conditions_) blocks = std::min(blocks, c.held_in.size());
+  const auto share = [&](int mirrored) {
+    std::size_t held = 0;
+    for (std::size_t block = 0; block < blocks; ++block)
+      held += std::ranges::all_of(conditions_, [&](const Condition& c) {
+        return c.signal == mirrored ? c.mirrored_in[block] : c.held_in[block];
+      });
+    return static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(1, blocks));
+  };
+  constexpr int kNone = -2;
+  GateSurvey gate{share(kNone), {}};
+  for (std::size_t s = 0; s < machine_.signals.size(); ++s) {
+    const int signal = static_cast<int>(s);
+    const bool bounded =
+        std::ranges::any_of(conditions_, [&](const Condition& c) { return c.signal == signal; });
+    if (bounded) gate.mirrored.emplace_back(machine_.signals[s].name, share(signal));
+  }
+  return gate;
 }
 
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/records/sample_block.h"
@@ -30,7 +31,7 @@ struct TimeSurvey {
   std::int64_t rows = 0;
   double first = 0, last = 0;  ///< s
   double jitter = 0;           ///< s, standard deviation of the steps about the sample period, gaps left out
-  std::int64_t gaps = 0;       ///< steps of more than 1.5 sample periods
+  std::int64_t gaps = 0;       ///< rows that the reader flags as such
   double longest_gap = 0;      ///< s
   std::int64_t not_forward = 0;  ///< steps that do not go forward in time
 };
@@ -42,6 +43,13 @@ struct ConditionSurvey {
   double share_mirrored = 0;  ///< share if the signal's sign were reversed
 };
 
+/// How often all conditions of the gate hold at once.
+struct GateSurvey {
+  double share = 0;  ///< of the blocks
+  /// Signals with whose sign reversed they would hold, and how often.
+  std::vector<std::pair<std::string, double>> mirrored;
+};
+
 /// Looks at the samples of a log as they pass; in SI. `sample_period` in s.
 class SignalSurvey {
  public:
@@ -51,6 +59,7 @@ class SignalSurvey {
   const std::vector<SignalRange>& ranges() const { return ranges_; }
   TimeSurvey time() const;
   std::vector<ConditionSurvey> conditions() const;
+  GateSurvey gate() const;
 
  private:
   struct Condition {
@@ -62,9 +71,11 @@ class SignalSurvey {
     int count = 0, blocks = 0;
     bool whole = true;  ///< no value of the block was missing
     std::int64_t judged = 0, held = 0, held_mirrored = 0;
+    /// Per block: whether it held, and whether it did with the signal's sign reversed. A rate is judged one block late.
+    std::vector<bool> held_in, mirrored_in;
   };
 
-  void ObserveTime(double time);
+  void ObserveTime(double time, bool gap);
   void ObserveSignal(const SampleBlock& block, std::size_t signal);
   void ObserveCondition(const SampleBlock& block, Condition& condition) const;
   void JudgeBlock(Condition& condition) const;

@@ -51,6 +51,7 @@ TEST(SignalSurvey, GapsAndStepsBackAreNoJitter) {
   SampleBlock block = Falling(1000);
   for (int k = 500; k < 1000; ++k) block.time[k] += 3;
   block.time[800] = block.time[799];
+  for (const int row : {500, 801}) block.quality[0][row] = quality::kGap;
   survey.Observe(block);
   const TimeSurvey time = survey.time();
   EXPECT_EQ(time.gaps, 2) << "the lost time, and the step after the stamp that stood still";
@@ -76,6 +77,31 @@ TEST(SignalSurvey, TellsHowOftenTheGateConditionsHold) {
   EXPECT_DOUBLE_EQ(conditions[0].share_mirrored, 0.0);
   EXPECT_EQ(conditions[1].condition, "z >= 100 mm");
   EXPECT_NEAR(conditions[1].share, 0.5, 0.01);
+}
+
+/// A position that falls while a spool that is read the wrong way round is below its limit, as if the gate never opened.
+TEST(SignalSurvey, TellsThatConditionsWouldHoldTogetherWithOneSignReversed) {
+  Machine machine = OneSignal();
+  SignalSpec spool;
+  spool.name = spool.column = "y_v";
+  spool.unit = "1";
+  machine.signals.push_back(spool);
+  machine.gate.bounds = {{"z", true, {}, -0.004}, {"y_v", false, 0.04, {}}};
+  SignalSurvey survey(machine, 0.002);
+  SampleBlock block;
+  block.Resize(2, 4000);
+  for (int k = 0; k < 4000; ++k) {
+    const bool falls = k % 1000 < 500;
+    const int along = k % 500;
+    block.time[k] = 0.002 * k;
+    block.signal[0][k] = 1e-4 * (falls ? 500 - along : along);
+    block.signal[1][k] = falls ? -0.3 : 0.3;
+  }
+  survey.Observe(block);
+  const GateSurvey gate = survey.gate();
+  EXPECT_LT(gate.share, 0.05);
+  ASSERT_EQ(gate.mirrored.size(), 2u);
+  for (const auto& [signal, share] : gate.mirrored) EXPECT_GT(share, 0.4) << signal;
 }
 
 }  // namespace

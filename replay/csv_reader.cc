@@ -50,7 +50,6 @@ Status CsvReader::Prepare(const LogFormat& format) {
   line_ = layout_.data_line;
   MakeColumns();
   TRY(FindSamplePeriod(format));
-  time_check_ = TimeChecker(sample_period_);
   return {};
 }
 
@@ -89,6 +88,7 @@ std::optional<double> CsvReader::TimeOf(std::string_view field) const {
 Status CsvReader::FindSamplePeriod(const LogFormat& format) {
   if (format.sample_period) {
     sample_period_ = *format.sample_period;
+    time_check_ = TimeChecker(sample_period_);
     return {};
   }
   std::vector<double> times;
@@ -101,6 +101,7 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
       times.push_back(time_is_text_ ? *time : *time * plan_.time_scale);
   }
   sample_period_ = SamplePeriodOf(times);
+  time_check_ = TimeChecker(sample_period_, LongestStep(times, sample_period_));
   if (sample_period_ > 0) return {};
   return NoSamplePeriod(origin_, layout_.names[plan_.time], times, format.time_unit);
 }

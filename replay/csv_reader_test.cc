@@ -212,6 +212,17 @@ TEST_F(CsvReaderTest, CompleteLastLineWithoutLineEndIsRead) {
   EXPECT_EQ(counters_.rows, 21);
 }
 
+/// Rows of 2 ms whose stamps jitter and are rounded are up to 3 ms apart.
+TEST_F(CsvReaderTest, StampsInWholeMillisecondsMakeNoGapsAndHideNone) {
+  std::string text = "t,p,z\n";
+  for (int i = 0; i < 2000; ++i)
+    if (i != 1000) text += fmt::format("{:.3f},{},{}\n", 0.002 * i + (i % 6 == 1 ? 0.001 : 0.0), i, 2 * i);
+  Read(text);
+  EXPECT_NEAR(period_, 0.002, 1e-5);
+  EXPECT_EQ(Flagged(quality::kGap), 2) << "of the row that is missing";
+  EXPECT_EQ(flags_[0][1000], quality::kGap);
+}
+
 TEST_F(CsvReaderTest, TwoLinesRunTogetherAreRejectedAndLeaveAGap) {
   Read("t,p,z\n" + Rows(1, 20) + "21,210,210022,220,2200\n" + Rows(23, 30));
   EXPECT_EQ(counters_.rejected_rows, 1);

@@ -29,7 +29,6 @@ Status MatReader::Prepare(const std::string& path, const Machine& machine) {
   slice_.resize(signals_);
   TRY(CheckLengths(path));
   TRY(FindSamplePeriod(path, machine.log));
-  time_check_ = TimeChecker(sample_period_);
   return {};
 }
 
@@ -53,6 +52,7 @@ Status MatReader::CheckLengths(const std::string& path) {
 Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& format) {
   if (format.sample_period) {
     sample_period_ = *format.sample_period;
+    time_check_ = TimeChecker(sample_period_);
     return {};
   }
   const auto column = static_cast<std::size_t>(plan_.time);
@@ -61,6 +61,7 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
   std::erase_if(times, [](double time) { return !std::isfinite(time); });
   for (double& time : times) time *= plan_.time_scale;
   sample_period_ = SamplePeriodOf(times);
+  time_check_ = TimeChecker(sample_period_, LongestStep(times, sample_period_));
   if (sample_period_ > 0) return {};
   return NoSamplePeriod(path, layout_.names[column], times, format.time_unit);
 }

@@ -11,10 +11,28 @@ namespace hydroscope {
 namespace {
 
 constexpr double kGapPeriods = 1.5;
-constexpr double kForwardJump = 10.0;  // s
-constexpr double kBackwardJump = 1.0;  // s
+constexpr double kRounding = 1e-6;          ///< relative, of steps that are compared
+constexpr double kRoundingOfStamps = 0.01;  ///< of a step of the stamps
+constexpr double kForwardJump = 10.0;       // s
+constexpr double kBackwardJump = 1.0;       // s
+
+/// Largest power of ten, s, that all times are multiples of; 0: none that matters.
+double StepOfStamps(const std::vector<double>& times) {
+  for (const double step : {1.0, 0.1, 0.01, 1e-3, 1e-4}) {
+    const auto is_multiple = [&](double time) {
+      return std::abs(time / step - std::round(time / step)) < kRoundingOfStamps;
+    };
+    if (std::ranges::all_of(times, is_multiple)) return step;
+  }
+  return 0;
+}
 
 }  // namespace
+
+double LongestStep(const std::vector<double>& times, double period) {
+  const double stamps = StepOfStamps(times), missing = 2 * period - 0.5 * stamps;
+  return std::max(kGapPeriods * period, std::min(kGapPeriods * period + stamps, missing));
+}
 
 double SamplePeriodOf(const std::vector<double>& times) {
   std::vector<double> steps;
@@ -27,7 +45,7 @@ double SamplePeriodOf(const std::vector<double>& times) {
   double sum = 0;
   int count = 0;
   for (const double step : steps) {
-    if (step < 0.5 * median || step > 1.5 * median) continue;
+    if (step < 0.5 * (1 - kRounding) * median || step > 1.5 * (1 + kRounding) * median) continue;
     sum += step;
     ++count;
   }
@@ -82,12 +100,11 @@ void TimeChecker::Check(SampleBlock& block, LogCounters& counters) {
 
 bool TimeChecker::AllRegular(const SampleBlock& block) const {
   const double* time = block.time.data();
-  const double longest = kGapPeriods * sample_period_;
   const double first = time[0] - reference_;
-  bool regular = first > 0 && first <= longest;
+  bool regular = first > 0 && first <= longest_step_;
   for (std::size_t row = 1; row < block.rows(); ++row) {
     const double step = time[row] - time[row - 1];
-    regular &= (step > 0) & (step <= longest);
+    regular &= (step > 0) & (step <= longest_step_);
   }
   return regular;
 }
@@ -100,7 +117,7 @@ Quality TimeChecker::FlagsOf(double time) {
   } else if (step < 0) {
     flags |= quality::kTimeBackwards;
     if (step < -kBackwardJump) flags |= quality::kClockJump;
-  } else if (step > kGapPeriods * sample_period_) {
+  } else if (step > longest_step_) {
     flags |= quality::kGap;
     if (step > kForwardJump) flags |= quality::kClockJump;
   }

@@ -20,6 +20,10 @@ inline constexpr double kCoarseShare = 0.1;
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
 
+/// Longest step, s, between rows of which none is missing: 1.5 periods, and a step of the stamps more where they are coarser than
+/// what rows jitter by (2 ms rows in whole ms are up to 3 ms apart), as long as a missing row still shows.
+double LongestStep(const std::vector<double>& times, double period);
+
 /// Whether each time lies before the one of the row before, and what to do then.
 bool Falls(const std::vector<double>& times);
 tl::unexpected<Error> NewestFirst(const std::string& origin, const std::string& column);
@@ -33,12 +37,15 @@ tl::unexpected<Error> NoSamplePeriod(const std::string& origin, const std::strin
 ///   kTimeBackwards  earlier than the row before; rows stay flagged until time has passed the latest one
 ///   seen, unless
 ///                   the step is a clock jump
-///   kGap            more than 1.5 sample periods after the row before
+///   kGap            farther from the row before than the longest step
 ///   kClockJump      forward step of more than 10 s, backward step of more than 1 s: a new time base from
 ///   here on
 class TimeChecker {
  public:
-  explicit TimeChecker(double sample_period) : sample_period_(sample_period) {}
+  /// `sample_period` and `longest_step` (LongestStep) in s.
+  TimeChecker(double sample_period, double longest_step)
+      : sample_period_(sample_period), longest_step_(longest_step) {}
+  explicit TimeChecker(double sample_period) : TimeChecker(sample_period, 1.5 * sample_period) {}
   /// Checks the rows of `block`; counts the values flagged.
   void Check(SampleBlock& block, LogCounters& counters);
 
@@ -46,7 +53,7 @@ class TimeChecker {
   bool AllRegular(const SampleBlock& block) const;
   Quality FlagsOf(double time);
 
-  double sample_period_;  ///< s
+  double sample_period_, longest_step_;  ///< s
   bool started_ = false;
   double reference_ = 0;  ///< s, latest time of the present time base
 };

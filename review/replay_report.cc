@@ -20,7 +20,7 @@ const char* FlagWhy(const std::string& flag) {
       {"missing", "empty field, NaN or infinity"},
       {"stuck", "the very same reading for too long"},
       {"spike", "a single reading far off both neighbours"},
-      {"out_of_range", "outside min/max of the machine file"},
+      {"out_of_range", "outside min/max of the machine file, or at the end of the sensor"},
       {"gap", "rows are missing before this one"},
       {"time_backwards", "time stamp not after the one before"},
       {"clock_jump", "the clock stepped"},

@@ -203,6 +203,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.time_base = reader->counters().time_base;
   if (pipeline) {
     check.conditions = survey.conditions();
+    check.gate = survey.gate();
     check.driving.too_short = pipeline->discarded_strokes();
     if (check.pass.no_verdict.empty() && check.pass.swapped.empty())
       TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);

@@ -56,6 +56,7 @@ struct CheckResult {
   Told time_base;  ///< LogCounters::time_base
   std::vector<CheckedSignal> signals;
   std::vector<ConditionSurvey> conditions;
+  GateSurvey gate;
   Driving driving;
   std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
   GramFit figures;                           ///< FitResult::fit; all 0 if there is no fit

@@ -152,11 +152,13 @@ void JudgeCopies(const CheckResult& check, std::vector<Told>& hints) {
       check.pass.copied_rows));
 }
 
+/// A few readings on a line are what a command may do, too.
 void JudgeDrawn(const CheckResult& check, std::vector<Told>& hints) {
   constexpr auto kBit =
       static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(quality::kInterpolated)));
   for (const ChannelQuality& channel : check.pass.channels)
-    if (const std::int64_t drawn = channel.flagged[kBit]; drawn > 0)
+    if (const std::int64_t drawn = channel.flagged[kBit];
+        static_cast<double>(drawn) > kHardlyEver * static_cast<double>(channel.rows))
       hints.push_back(Tell(
           "{}: {} readings lie on straight lines between others: the logger had none and drew them. They are left out as "
           "interpolated",
@@ -180,8 +182,29 @@ void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vecto
                        signal.spec.name, signal.spec.column, signal.range.good, check.time.rows));
 }
 
+/// Each condition of the gate holds now and then, all of them never: a sign may be turned round.
+void JudgeTogether(const CheckResult& check, std::vector<Told>& hints) {
+  const auto seldom = [](const ConditionSurvey& c) { return c.share < kHardlyEver; };
+  if (check.gate.share >= kHardlyEver || std::ranges::any_of(check.conditions, seldom)) return;
+  std::string turned;
+  double share = 0;
+  for (const auto& [signal, mirrored] : check.gate.mirrored) {
+    if (mirrored <= kOftenEnough) continue;
+    turned += (turned.empty() ? "" : ", ") + signal;
+    share = std::max(share, mirrored);
+  }
+  if (turned.empty()) return;
+  hints.push_back(Tell(
+      "gate: its conditions hold one by one but never together; with the sign of one signal reversed they would in {:.0f} % of the "
+      "log. Look which way round these count ({}), and set scale = -1 for the one that is turned round",
+      "Gate: seine Bedingungen gelten einzeln, aber nie zusammen; mit umgekehrtem Vorzeichen eines Signals gälten sie in {:.0f} % "
+      "der Aufzeichnung. Nachsehen, wie herum diese zählen ({}), und für das verkehrte scale = -1 setzen",
+      100 * share, turned));
+}
+
 void JudgeGate(const CheckResult& check, std::vector<Told>& hints) {
   if (check.driving.strokes > 0) return;
+  JudgeTogether(check, hints);
   for (const ConditionSurvey& c : check.conditions) {
     if (c.share >= kHardlyEver) continue;
     const Told what =

@@ -88,9 +88,12 @@ TEST(Plausibility, ReadingsThatALoggerDrewAreTold) {
   CheckResult check = With("p_A", "Pa", 1e5, 210e5);
   check.pass.channels.resize(1);
   check.pass.channels[0].name = "p_A";
+  check.pass.channels[0].rows = 45000;
   check.pass.channels[0].flagged[13] = 6191;
   EXPECT_THAT(InEnglish(PlausibilityHints(check)),
               ElementsAre(HasSubstr("p_A: 6191 readings lie on straight lines")));
+  check.pass.channels[0].flagged[13] = 52;
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), IsEmpty()) << "a ramp of a command does that";
 }
 
 TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
@@ -98,6 +101,16 @@ TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
   check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};
   EXPECT_THAT(InEnglish(PlausibilityHints(check)),
               ElementsAre(testing::AllOf(HasSubstr("ddt(z)"), HasSubstr("scale = -1"))));
+}
+
+TEST(Plausibility, ASignThatKeepsConditionsOfTheGateApartIsTold) {
+  CheckResult check;
+  check.conditions = {{"ddt(z) <= -4 mm/s", 0.4, 0.4}, {"y_v >= 0.04", 0.5, 0.4}};
+  check.gate = {0.0, {{"z", 0.38}, {"y_v", 0.38}}};
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)),
+              ElementsAre(testing::AllOf(HasSubstr("38 %"), HasSubstr("(z, y_v)"), HasSubstr("scale = -1"))));
+  check.gate.mirrored = {{"z", 0.0}, {"y_v", 0.0}};
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), IsEmpty());
 }
 
 TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {

@@ -121,8 +121,7 @@ void AddMachineOptions(CLI::App& app, PressArguments& a) {
   app.add_option("--speed-max", a.speed_max, "Highest ram speed, mm/s; equal: constant")
       ->capture_default_str();
   app.add_option("--oil", a.oil, "Oil temperature START:END in degC (40 if not given)")->type_name("T0:T1");
-  app.add_option("--machine", a.machine, "Take A_A, dp_nom, p_t (and K, V0, Q_vn, y_0) from a machine file")
-      ->type_name("FILE");
+  app.add_option("--machine", a.machine, "Take A_A, dp_nom and p_t from a machine file")->type_name("FILE");
   app.add_option("--random-machine", a.random_machine, "Draw a machine with this seed (above 0)");
   app.add_option("--cylinders", a.cylinders, "4: four cylinders of one press, FILE_1 ... FILE_4")
       ->check(CLI::IsMember({1, 4}));

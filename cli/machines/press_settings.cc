@@ -146,9 +146,8 @@ Status ParseOil(const std::string& text, PressOptions& options) {
 Status TakeMachine(const std::string& path, PressOptions& options) {
   const auto machine = TRY(LoadMachine(path));
   PressMachine& m = options.machine;
-  const std::map<std::string, double*> slots = {{"A_A", &m.A_A}, {"dp_nom", &m.dp_nom}, {"p_t", &m.p_tank},
-                                                {"K", &m.K},     {"V0", &m.V0},         {"Q_vn", &m.Q_vn},
-                                                {"y_0", &m.y_0}};
+  const std::map<std::string, double*> slots = {
+      {"A_A", &m.A_A}, {"dp_nom", &m.dp_nom}, {"p_t", &m.p_tank}};
   for (const auto& [key, slot] : slots)
     if (const auto known = machine.Geometry(key)) *slot = known->value;
   return {};

@@ -18,6 +18,8 @@ constexpr double kNoiseReach = 17;
 /// overflows the noise makes it jump to and fro.
 constexpr double kSharp = 5;
 constexpr double kMost = 0.9;
+/// Of a jump: so much of it is left where the signal stays there.
+constexpr double kStays = 0.5;
 /// Rows that may be flagged between two readings: less than kSharp, so that steady motion over them is no jump.
 constexpr double kRowsBetween = 4.5;
 /// Rows that tell whether a signal moves.
@@ -63,20 +65,45 @@ void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQ
     }
 }
 
-/// Judges the step before the last by those on either side of it.
-void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
-  const double step = value - track.value, last = std::abs(track.step);
-  if (track.readings >= 1 && step != 0) ++track.all[kBins.Of(std::abs(step))];
-  if (track.readings >= 3 && last > reach && last > kSharp * std::abs(step) &&
-      last > kSharp * std::abs(track.before)) {
-    const std::size_t bin = kBins.Of(last);
-    if (track.sharp[bin]++ == 0) track.first[bin] = track.time;
+/// Whether the readings after the step in the middle lie beside those before it, apart from how they move, by half of it.
+bool ReadingFaults::StaysAfterTheMiddle(const Track& track) {
+  const auto median = [](auto values) {
+    const auto middle = values.begin() + values.size() / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const std::array<double, 2 * kBeside>& v = track.values;
+  std::array<double, kBeside> before{}, after{};
+  std::array<double, 2 * (kBeside - 1)> steps{};
+  std::copy_n(v.begin(), kBeside, before.begin());
+  std::copy_n(v.begin() + kBeside, kBeside, after.begin());
+  for (std::size_t i = 1; i < kBeside; ++i) {
+    steps[i - 1] = v[i] - v[i - 1];
+    steps[kBeside + i - 2] = v[kBeside + i] - v[kBeside + i - 1];
   }
-  track.before = track.step;
-  track.step = step;
-  track.value = value;
-  track.time = time;
-  track.readings = std::min(track.readings + 1, 3);
+  const double moved = median(after) - median(before) - static_cast<double>(kBeside) * median(steps);
+  const double jump = v[kBeside] - v[kBeside - 1];
+  return moved / jump > kStays;
+}
+
+/// Takes a reading in, and judges the step in the middle of the last ones by those beside it.
+void ReadingFaults::Follow(double time, double value, double reach, Track& track) {
+  std::array<double, 2 * kBeside>& v = track.values;
+  if (const double step = value - v.back(); track.readings >= 1 && step != 0)
+    ++track.all[kBins.Of(std::abs(step))];
+  std::shift_left(v.begin(), v.end(), 1);
+  std::shift_left(track.times.begin(), track.times.end(), 1);
+  v.back() = value;
+  track.times.back() = track.time = time;
+  track.readings = std::min(track.readings + 1, v.size());
+  if (track.readings < v.size()) return;
+  const auto step_to = [&](std::size_t i) { return std::abs(v[i] - v[i - 1]); };
+  const double jump = step_to(kBeside);
+  if (!(jump > reach) || !(jump > kSharp * step_to(kBeside + 1)) || !(jump > kSharp * step_to(kBeside - 1)))
+    return;
+  if (!StaysAfterTheMiddle(track)) return;
+  const std::size_t bin = kBins.Of(jump);
+  if (track.sharp[bin]++ == 0) track.first[bin] = track.times[kBeside];
 }
 
 ReadingFaults::Jumps ReadingFaults::JumpsOf(const Track& track) {

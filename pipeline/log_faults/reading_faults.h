@@ -37,15 +37,18 @@ class ReadingFaults {
 
  private:
   static constexpr LogBins kBins{.per_octave = 4, .least_exponent = -40, .count = 256};  ///< of steps
+  /// Readings on either side of a jump that tell whether the signal stays where it jumped to: more than a burst of disturbance.
+  static constexpr std::size_t kBeside = 10;
   struct Track {
     std::size_t signal = 0;
-    double value = 0, time = 0;                            ///< SI, s: of the last good reading
-    double step = 0, before = 0;                           ///< SI: to it, and to the one before
-    int readings = 0;                                      ///< good ones on end, up to three
+    double time = 0;                                       ///< s, of the last good reading
+    std::array<double, 2 * kBeside> values{}, times{};     ///< SI, s: of the last good ones on end, the newest last
+    std::size_t readings = 0;                              ///< so many of them
     std::array<std::int64_t, kBins.count> all{}, sharp{};  ///< steps by size
     std::array<double, kBins.count> first{};               ///< s, of the sharp ones
   };
   static void Follow(double time, double value, double reach, Track& track);
+  static bool StaysAfterTheMiddle(const Track& track);
   struct Jumps {
     std::int64_t count = 0;
     double first = 0, size = 0;  ///< s, SI

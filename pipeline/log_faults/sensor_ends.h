@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "acquisition/quality_monitor.h"
 #include "core/records/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
@@ -27,6 +28,9 @@ std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<
 /// which episodes have to do.
 std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vector<int>& inputs,
                                         const SampleBlock& rows);
+
+/// Of the channels that QualityMonitor saw the noise cut off of (ChannelQuality::cut_off): where, and that nothing is known beyond.
+std::vector<Told> CutOffTexts(const std::vector<ChannelQuality>& channels, const Machine& machine);
 
 /// Sentences that say so.
 Told SensorEndText(const SensorEnd& end, const Machine& machine);

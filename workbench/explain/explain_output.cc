@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/effect_units.h"
 #include "core/interval_text.h"
 #include "core/records/quality.h"
@@ -313,7 +314,7 @@ std::string RankingText(const ExplainResult& result) {
 std::string RuledOutText(const Explanation& x) {
   std::vector<std::string> ids;
   for (const RankedEffect& ranked : x.ranking)
-    if (ranked.testable && !ranked.fit.solved) ids.push_back(ranked.id);
+    if (ranked.testable && !ranked.fit.solved && !Contains(x.set, ranked.id)) ids.push_back(ranked.id);
   return ids.empty()
              ? ""
              : fmt::format("  not seen (they would fit only with a sign or size physics forbids): {}\n",

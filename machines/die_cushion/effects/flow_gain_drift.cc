@@ -12,8 +12,8 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.source = "local linear trend, Harvey 1989, sec. 2.3";
   e.parameter = "d";
   e.unit = "1/s";
-  e.min = -1e-3;  // 6 % a minute: faster, and it is the oil or a failure, no drift
-  e.max = 1e-3;
+  e.min = -5e-3;
+  e.max = 5e-3;
   e.typical = 1e-4;
   e.family = {"the flow through the valve wanders", "der Durchfluss des Ventils wandert"};
   e.confused_with = {"oil_viscosity", "y_0_drift"};

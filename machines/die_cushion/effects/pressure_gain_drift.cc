@@ -12,8 +12,8 @@ Effect PressureGainDrift(const CushionGeometry&) {
   e.source = "eq. 1-2 of the press paper with the pressure scaled";
   e.parameter = "g";
   e.unit = "1/s";
-  e.min = -1e-3;
-  e.max = 1e-3;
+  e.min = -5e-3;
+  e.max = 5e-3;
   e.typical = 2e-4;
   e.family = {"the pressure reading wanders", "die Druckanzeige wandert"};
   e.confused_with = {"Q_vn_drift", "pressure_offset_drift", "pressure_gain_temperature"};
