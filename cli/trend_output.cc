@@ -24,6 +24,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kSparkWidth = 10, kLeastSparkWidth = 4;
+constexpr std::size_t kLongUnit = 8;  ///< longer ones are told in their column alone
 
 std::string ValueText(double value, double half_width) {
   return std::isfinite(value) ? WithInterval(value, half_width) : "-";
@@ -39,17 +40,19 @@ std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
                      s.strokes);
 }
 
-DisplayUnit ShownUnitOf(const TrendSummary& s) {
-  return ParameterUnit(s.kind == nullptr ? MachineKind{} : *s.kind, s.parameter, s.unit);
-}
+MachineKind KindOf(const TrendSummary& s) { return s.kind == nullptr ? MachineKind{} : *s.kind; }
+
+DisplayUnit ShownUnitOf(const TrendSummary& s) { return ParameterUnit(KindOf(s), s.parameter, s.unit); }
 
 std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
   if (!s.change) return fmt::format("too few {}", counted.many);
-  const auto percent = s.change->Percent();
+  const auto percent =
+      ToldInPercent(KindOf(s), s.parameter, s.unit) ? s.change->Percent() : std::optional<double>();
   const DisplayUnit unit = ShownUnitOf(s);
   const double value = percent ? *percent : s.change->value * unit.factor;
   const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
-  const std::string name = percent ? " %" : unit.name == "-" ? "" : fmt::format(" {}", unit.name);
+  const bool in_column = unit.name == "-" || unit.name.size() > kLongUnit;
+  const std::string name = percent ? " %" : in_column ? "" : fmt::format(" {}", unit.name);
   const char* judged = s.change->with_oil      ? "significant, with the oil"
                        : s.change->significant ? "significant"
                        : s.change->hint        ? "a hint"

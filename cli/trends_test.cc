@@ -313,6 +313,18 @@ TEST(TrendSummary, AChangeOfSomethingNearZeroIsNotGivenInPercent) {
   EXPECT_FALSE(SummariseTrends(points)[0].change->Percent().has_value());
 }
 
+TEST(Trends, AChangeOfANullIsToldInItsUnitAsInTheReport) {
+  MachineTrends trends;
+  trends.runs = {RunInfo{.strokes = 30}};
+  TrendSummary null{.parameter = "y_0", .unit = "1", .kind = FindKind("die_cushion")};
+  null.latest = {"y_0", -0.0021, 1e-4, "1", 1, 0, EstimateReason::kUpdated};
+  null.since = 0;
+  null.change =
+      TrendChange{.value = -0.0101, .std = 0.0016, .from = 0.008, .from_std = 1e-4, .significant = true};
+  trends.summaries = {null};
+  EXPECT_THAT(TrendText(trends), HasSubstr("% of stroke -1.01 ± 0.31, significant"));
+}
+
 TEST(TrendSummary, StrokesThatToldNothingAreNotCounted) {
   std::vector<TrendPoint> points(9);
   for (int i = 0; i < 9; ++i) {

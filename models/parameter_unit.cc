@@ -14,6 +14,11 @@ DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, s
   return unit;
 }
 
+bool ToldInPercent(const MachineKind& kind, std::string_view parameter, std::string_view si) {
+  const MachineParameter* known = FindParameter(kind, parameter);
+  return known != nullptr ? known->relative : si != "K";
+}
+
 ShownParameter ShowParameter(const MachineKind& kind, std::string_view parameter, double value, double std,
                              const std::string& si) {
   const MachineParameter* known = FindParameter(kind, parameter);

@@ -12,6 +12,9 @@ namespace hydroscope {
 /// one of the SI unit; "-" for a plain number.
 DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, std::string_view si);
 
+/// Whether changes of a parameter are told in per cent: not where its zero is one of many (a null, a temperature).
+bool ToldInPercent(const MachineKind& kind, std::string_view parameter, std::string_view si);
+
 /// A parameter, or the size of an effect, with its 95 % interval as people read it.
 struct ShownParameter {
   std::string numbers;  ///< "0.803 ± 0.024"

@@ -34,8 +34,12 @@ bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
           std::ranges::any_of(rules.rules, [&](const drift::Rule& rule) { return rule.id == id; }));
 }
 
-const Told& Advice(const drift::DriftFinding& finding) {
-  return finding.compared.advice.empty() ? finding.guidance : finding.compared.advice;
+Told Advice(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
+  if (!finding.compared.advice.empty()) return finding.compared.advice;
+  if (finding.nameless())
+    return Tell("See `hydroscope explain` of the {} since the change.",
+                "`hydroscope explain` der {} seit der Änderung ansehen.", counted.several);
+  return finding.guidance;
 }
 
 /// What a finding says of its alarm, but its size and severity.
@@ -58,7 +62,7 @@ AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& c
   const Told compared = finding.compared.text.empty() ? Told{} : Tell(" {}", " {}", finding.compared.text);
   return {NameText(finding),
           Tell("{}: {}.{}", "{}: {}.{}", SinceText(finding, counted), SizesText(finding), compared),
-          Advice(finding)};
+          Advice(finding, counted)};
 }
 
 std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
@@ -66,7 +70,7 @@ std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::Counted
   if (!finding.compared.text.empty()) text += finding.compared.text.english + " ";
   if (finding.compared.cause.kind != CauseKind::kNotSought)
     text += fmt::format("Cause: {}. ", CauseText(finding.compared.cause));
-  return text + Advice(finding).english;
+  return text + Advice(finding, counted).english;
 }
 
 AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {
@@ -105,9 +109,8 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
       continue;
     }
     const drift::FindingPart& part = finding.parts.front();
-    const bool there = !part.reversed && std::abs(part.size) > kNormal95 * part.std;
     AlarmCondition condition = ConditionOf(finding, counted);
-    condition.value = there ? std::abs(part.size) : 0.0;
+    condition.value = part.moved() ? std::abs(part.size) : 0.0;
     condition.first_stroke = finding.since.last_before + 1;
     condition.last_stroke = finding.last;
     condition.cause = finding.compared.cause;

@@ -85,6 +85,21 @@ TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {
   EXPECT_EQ(NameText(finding).german, "etwas hat sich geändert; die Ursache ist noch nicht zu unterscheiden");
 }
 
+TEST(AlarmWords, ANumberWhoseIntervalHoldsZeroHeadsNoChangeThatTheModelDoesNotDescribe) {
+  drift::DriftFinding finding = SofterOil();
+  finding.compared = {.text = {"the model errs more than before.", ""},
+                      .described = false,
+                      .cause = {CauseKind::kNotKnown, {}}};
+  EXPECT_THAT(AlarmTextOf(finding), testing::HasSubstr("nearest: Oil column softer; K -10.00 ± 0.49 %"));
+  finding.parts[0].std = 9e7;
+  EXPECT_EQ(
+      AlarmTextOf(finding),
+      "since stroke 481 (471 to 491): Change that the model does not describe; whether K moved cannot be told "
+      "now. the model errs more than before. Cause: not known. See `hydroscope explain` of the strokes since "
+      "the change.");
+  EXPECT_EQ(WordsOf(finding).finding.german, "Änderung, die das Modell nicht beschreibt");
+}
+
 TEST(AlarmWords, AnAlarmThatNoFindingRaisesSaysOneSentenceInBothLanguages) {
   StrokeRecord record;
   record.summary.counters.gated = 100;

@@ -1,4 +1,6 @@
 // Alarms name what was measured, and a cause as far as comparing strokes carries it.
+#include "monitor/axis_alarms.h"
+#include "monitor/learning_check.h"
 #include "monitor/press_monitor_fixture.h"
 
 namespace hydroscope {
@@ -61,6 +63,36 @@ TEST_F(PressMonitorTest, ALeakThatWasLearnedIsToldAsADoubtfulReference) {
   EXPECT_TRUE(alarm.active);
   EXPECT_THAT(alarm.text, HasSubstr("leakage"));
   EXPECT_EQ(press->axis(0).Health(), 'M');
+}
+
+/// No effect of one size explains it.
+TEST_F(PressMonitorTest, ALeakThatGrowsWhileItIsLearnedIsToldAsADoubtfulReference) {
+  auto whole = Healthy();
+  whole.resize(60);
+  Store(0, whole);
+  for (int day = 0; day < 5; ++day)
+    Store(0, Simulate(80, 20 + day, [&](PressOptions& o) {
+            o.effects = {{"internal_leakage", 2e-12 + 1e-12 * day, {}}};
+          }));
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  ASSERT_NE(press->axis(0).monitor(), nullptr);
+  const AlarmState& alarm = AlarmOf(press->axis(0), "doubtful_reference");
+  EXPECT_TRUE(alarm.active);
+  EXPECT_THAT(alarm.text, HasSubstr("they hold a change between strokes"));
+  EXPECT_EQ(press->axis(0).Health(), 'M');
+}
+
+/// What the model misses may be the fault that is sought; a small error, or one that may be noise, is none.
+TEST(LearningDoubts, AnUnknownDoesNotRefuseButMakesTheReferenceDoubtful) {
+  using Kind = LearningDoubt::Kind;
+  for (const bool minor : {false, true}) {
+    const std::vector<LearningDoubt> doubts = {{Kind::kUnexplained, {"the model errs", ""}, minor}};
+    EXPECT_FALSE(doubts[0].Refuses());
+    AxisContent content;
+    axis_alarms::JudgeReference(1, doubts, {}, content);
+    EXPECT_EQ(content.alarms.size(), minor ? 0u : 1u);
+  }
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 #include "diagnosis/odd_strokes.h"
+#include "estimation/floor_trust.h"
 #include "models/counted_words.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_trust.h"
@@ -57,14 +59,16 @@ std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const
   return doubts;
 }
 
-std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
+std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result, bool noise_known) {
   if (!result)
     return {{Kind::kNotExplained, Tell("they could not be explained: {}",
                                        "sie ließen sich nicht erklären: {}", result.error().text)}};
   const Explanation& x = result->explanation;
   if (!x.no_verdict.empty())
-    return {{Kind::kUnexplained, Tell("'explain' gives no verdict on them: {}",
-                                      "'explain' gibt kein Urteil über sie: {}", x.no_verdict)}};
+    return {{Kind::kUnexplained,
+             Tell("'explain' gives no verdict on them: {}", "'explain' gibt kein Urteil über sie: {}",
+                  x.no_verdict),
+             true}};
   switch (x.verdict) {
     case Verdict::kAdequate:
       return {};
@@ -79,13 +83,16 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
       break;
   }
   if (x.small_error)
-    return {{Kind::kUnexplained, Tell("'explain' says UNKNOWN, a small error is left: {}",
-                                      "'explain' sagt UNBEKANNT, ein kleiner Fehler bleibt: {}", x.doubt)}};
+    return {{Kind::kUnexplained,
+             Tell("'explain' says UNKNOWN, a small error is left: {}",
+                  "'explain' sagt UNBEKANNT, ein kleiner Fehler bleibt: {}", x.doubt),
+             true}};
   return {
       {Kind::kUnexplained,
        Tell(
            "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it",
-           "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt es")}};
+           "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt es"),
+       x.may_be_noise || !noise_known}};
 }
 
 /// Where the model describes all but a few strokes, these are none of the healthy machine: a sensor that stood still for a while,
@@ -128,17 +135,44 @@ Told SlowRowsKept(const Database& database, const std::string& path, const Histo
   return trust && !trust->rate.fast_enough ? trust->rate.sentence : Told{};
 }
 
-/// Where the model errs, a parameter that moved, and not with the oil, is a machine that changed, too slowly to say
-/// where.
-std::vector<LearningDoubt> OfTrends(const Database& database, const HistoryPart& part,
-                                    const Machine& machine) {
+/// Whether the strokes' error grew by more than a model may err, at equal oil temperature where that was measured.
+bool ErrorGrew(const std::vector<StrokeSummary>& strokes, const ThirdsComparison& ratio) {
+  if (SignificanceOf(ratio.change) != Significance::kClear) return false;
+  if (!(ratio.last * ratio.last > (1 + kFloorExcess) * ratio.first * ratio.first)) return false;
+  std::vector<double> ratios, oil, number;
+  for (const StrokeSummary& stroke : strokes) {
+    if (!(stroke.noise_floor > 0) || !std::isfinite(stroke.rms_error + stroke.oil_temperature)) continue;
+    ratios.push_back(stroke.rms_error / stroke.noise_floor);
+    oil.push_back(stroke.oil_temperature);
+    number.push_back(static_cast<double>(stroke.index));
+  }
+  const auto [coldest, warmest] = std::ranges::minmax_element(oil);
+  if (oil.empty() || *coldest == *warmest) return true;
+  const CorrelatedFit fit =
+      FitCorrelated({std::vector<double>(ratios.size(), 1.0), oil, number}, ratios, {}, 0);
+  return !fit.coefficients.empty() && fit.coefficients[2].value > 0 &&
+         SignificanceOf(fit.coefficients[2]) == Significance::kClear;
+}
+
+/// Where the model errs, a parameter that moved or an error that grew, and not with the oil, is a machine that changed,
+/// too slowly to say where; `placed`: where, is told already.
+std::vector<LearningDoubt> OfTrends(const Database& database, const HistoryPart& part, const Machine& machine,
+                                    bool placed) {
   auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);
   if (!strokes) return {};
   auto trends = database.Trend(part.id, "", part.first, part.last);
   auto blocks = EstimateBlocks(database, part.id, machine, *strokes);
   if (!trends || !blocks) return {};
-  const TrendAnalysis analysis =
-      AnalyseTrends({machine, {}, std::move(*strokes), std::move(*trends), std::move(*blocks)});
+  const RecordedHistory record{machine, {}, std::move(*strokes), std::move(*trends), std::move(*blocks)};
+  const TrendAnalysis analysis = AnalyseTrends(record);
+  if (!placed && ErrorGrew(record.strokes, analysis.error.ratio))
+    return {
+        {Kind::kChange,
+         Tell(
+             "they hold a change: the error of the model grew over them, from {:.1f} to {:.1f} times the noise",
+             "in ihnen liegt eine Änderung: der Fehler des Modells wuchs über sie hinweg, vom {:.1f}- auf das "
+             "{:.1f}-Fache des Rauschens",
+             analysis.error.ratio.first, analysis.error.ratio.last)}};
   std::vector<std::string> moved;
   for (const ParameterAnalysis& parameter : analysis.parameters)
     if (parameter.unexplained == Significance::kClear) moved.push_back(parameter.parameter);
@@ -195,17 +229,20 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
   const auto history = LoadHistory(database, path, {part}, machine);
   const auto result =
       history ? ExplainHistory(*history) : Result<ExplainResult>(tl::unexpected(history.error()));
-  Append(doubts, OfVerdict(result));
+  Append(doubts, OfVerdict(result, !history || history->noise_known));
   if (result) Append(doubts, OfOddStrokes(*history, result->explanation));
-  if (std::ranges::any_of(doubts, [](const auto& d) { return d.kind == Kind::kUnexplained; }))
-    Append(doubts, OfTrends(database, part, machine));
+  const auto are_there = [&](Kind kind) {
+    return std::ranges::find(doubts, kind, &LearningDoubt::kind) != doubts.end();
+  };
+  if (are_there(Kind::kUnexplained))
+    Append(doubts, OfTrends(database, part, machine, are_there(Kind::kChange)));
   return doubts;
 }
 
-Told DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only) {
+Told DoubtText(const std::vector<LearningDoubt>& doubts, bool doubtful_only) {
   std::vector<Told> sentences;
   for (const LearningDoubt& doubt : doubts)
-    if (!refusing_only || doubt.Refuses()) sentences.push_back(doubt.text);
+    if (!doubtful_only || doubt.MakesDoubtful()) sentences.push_back(doubt.text);
   return Joined(sentences, "; ");
 }
 

@@ -24,10 +24,13 @@ struct LearningDoubt {
     kNotExplained,   ///< they could not be explained
   };
   Kind kind = Kind::kEffect;
-  Told text;  ///< one sentence
+  Told text;           ///< one sentence
+  bool minor = false;  ///< of kUnexplained: a small error, or one that may be noise
 
-  /// A model that is not perfect is no fault of the machine: the last two only warn.
+  /// A model that is not perfect is no fault of the machine: the last two do not refuse.
   bool Refuses() const { return kind < Kind::kUnexplained; }
+  /// A reference learned in spite of it is doubtful: what the model does not describe may be the fault that is sought.
+  bool MakesDoubtful() const { return Refuses() || (kind == Kind::kUnexplained && !minor); }
 };
 /// "model_versions", "open_alarm", "change", "effect", "odd_strokes", "unexplained", "not_explained".
 const char* LearningDoubtName(LearningDoubt::Kind kind);
@@ -38,12 +41,13 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
 
 /// Looks at the strokes of `part` before they are learned: versions of the model, `alarms` of the machine, a
 /// change inside (workbench/history/stored_change.h) and the verdict of the explain chain on all of them; where that is
-/// unknown, also a parameter that moved over them (workbench/history/trend_analysis.h). Empty: nothing speaks against it.
+/// unknown, also a parameter that moved or an error that grew over them (workbench/history/trend_analysis.h). Empty:
+/// nothing speaks against it.
 std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
                                             const HistoryPart& part, const Machine& machine,
                                             const std::vector<AlarmState>& alarms);
 
-/// The sentences of those that refuse, or of all.
-Told DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only);
+/// The sentences of those that make a reference doubtful, or of all.
+Told DoubtText(const std::vector<LearningDoubt>& doubts, bool doubtful_only);
 
 }  // namespace hydroscope

@@ -1,6 +1,7 @@
 #include "report/error_words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -19,6 +20,13 @@ constexpr double kWorthASentence = 0.1;  // change of that ratio, of its size at
 
 }  // namespace
 
+std::set<int> VersionsOf(const std::vector<RunInfo>& runs) {
+  std::set<int> versions;
+  for (const RunInfo& run : runs)
+    if (run.strokes > 0) versions.insert(run.model_version);
+  return versions;
+}
+
 ModelErrors OverallErrors(const ReportInput& input, const TrendAnalysis& analysis) {
   const auto known = [](double given, double median) {
     return given > 0 ? given : std::isfinite(median) ? median : 0;
@@ -35,6 +43,10 @@ bool ErrorGrew(const ThirdsComparison& ratio) {
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                       const TrendAnalysis& analysis) {
   const CountedWords counted = CountedWordsOf(input.machine);
+  if (const std::set<int> versions = VersionsOf(input.runs); versions.size() > 1)
+    out.push_back(fmt::format(
+        "The record mixes versions {} of the model: the error of each {} is that of the version it was recorded with.",
+        fmt::join(versions, ", "), counted.one));
   if (!input.not_judged.empty()) {
     out.push_back(fmt::format("The model cannot be judged on these {}: {}.", counted.many,
                               EscapeText(input.not_judged)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,9 @@
 #include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
+
+/// Versions of the model that strokes were recorded with.
+std::set<int> VersionsOf(const std::vector<RunInfo>& runs);
 
 /// Errors of the whole record, SI of the output, as given or the medians over the strokes; 0 if unknown.
 struct ModelErrors {

@@ -192,6 +192,8 @@ std::string ErrorSentence(const ExplainResult& result) {
 std::vector<std::string> Sentences(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::vector<std::string> out = {ErrorSentence(result)};
+  if (!x.no_verdict.empty())
+    out.insert(out.begin(), fmt::format("Why: {}.", EscapeText(x.no_verdict.english)));
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       out.push_back(
@@ -342,10 +344,13 @@ std::string VerdictBoxText(const ExplainResult& result) {
 void AddExplanation(const ExplainResult& result, const std::string& lead, ReportInput& report) {
   const bool adequate = result.explanation.verdict == Verdict::kAdequate;
   report.explanation_verdict = VerdictBox(result, lead);
-  if (result.explanation.no_verdict.empty())
+  if (!result.explanation.no_verdict.empty()) {
+    if (report.not_judged.empty()) report.not_judged = result.explanation.no_verdict.english;
+  } else {
     report.found = adequate                          ? ErrorFinding::kNoise
                    : result.explanation.may_be_noise ? ErrorFinding::kMayBeNoise
                                                      : ErrorFinding::kMore;
+  }
   report.explanation_leads = !adequate;
   report.explanation = ExplainSections(result, false);
 }

@@ -31,7 +31,8 @@ struct ReportInput : RecordedHistory {
   std::string explanation;                  ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read
   double noise_floor = 0, rms_holdout = 0;  ///< SI of the output; 0 = take the medians over the strokes
-  std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
+  std::string
+      not_judged;  ///< why the error of the model says nothing (ImpossibleFigures, Explanation::no_verdict), "" if it does
   std::optional<ErrorFinding> found;  ///< by the explanation; nothing = no verdict
   std::string program_version;        ///< "" = not shown
   std::string created;                ///< date and time as text, "" = not shown

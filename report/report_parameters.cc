@@ -5,6 +5,7 @@
 
 #include "core/effect_units.h"
 #include "core/units.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -35,7 +36,6 @@ void ChooseUnit(ParameterInfo& info, std::string_view si_unit, double typical) {
   info.offset = unit.offset;
   info.unit = PrettyUnit(std::string(unit.name));
   if (si_unit == "m3" && std::abs(typical) < 1e-4) info.factor = 1e6, info.unit = "cm³";
-  if (si_unit == "K") info.relative = false;
   ChooseExponent(info, typical);
 }
 
@@ -46,12 +46,12 @@ ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std
   ParameterInfo info;
   info.id = info.symbol = parameter;
   ChooseUnit(info, si_unit, typical);
+  info.relative = ToldInPercent(kind, parameter, si_unit);
   const MachineParameter* known = FindParameter(kind, parameter);
   if (known == nullptr) return info;
   if (!known->symbol.empty()) info.symbol = known->symbol;
   info.name = known->meaning;
   info.sentence = known->sentence;
-  info.relative = known->relative;
   if (!known->shown.empty()) {
     info.unit = known->shown;
     info.factor = known->factor;

@@ -1,5 +1,6 @@
 #include "report/report.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -140,6 +141,42 @@ TEST(FormatReport, SaysOfTheModelWhatTheExplanationFound) {
   const std::string impossible = VerdictText(FormatReport(input));
   EXPECT_TRUE(Has(impossible, "cannot be judged on these strokes: the model gives 0 throughout"));
   EXPECT_FALSE(Has(impossible, "times what"));
+}
+
+TEST(FormatReport, TellsThatTheRecordMixesVersionsOfTheModel) {
+  ReportInput input = ReportFixture{}.Make();
+  EXPECT_FALSE(Has(FormatReport(input), "mixes versions"));
+  for (std::size_t k = input.runs.size() / 2; k < input.runs.size(); ++k) ++input.runs[k].model_version;
+  EXPECT_TRUE(Has(VerdictText(FormatReport(input)),
+                  fmt::format("The record mixes versions {}, {} of the model",
+                              input.runs.front().model_version, input.runs.back().model_version)));
+}
+
+/// The oil explains nothing over the record as a whole, and what it does not explain is larger than the parameter was at first.
+TEST(FormatReport, AParameterThatBeganNearZeroIsToldInItsUnitThroughout) {
+  ReportFixture fixture;
+  fixture.cools_again = true;
+  ReportInput input = fixture.Make();
+  const auto grown = [&](std::int64_t sequence, double kelvin) {
+    const double late = static_cast<double>(sequence) / static_cast<double>(input.strokes.size());
+    return 2e-4 + 8e-4 * std::max(0.0, 2 * late - 1) + 3e-4 * (kelvin - 302.15);
+  };
+  for (TrendPoint& point : input.trends)
+    if (point.estimate.parameter == "V0") {
+      point.estimate.value = grown(point.sequence, point.oil_temperature);
+      point.estimate.std = 2e-6;
+    }
+  for (BlockEstimates& block : input.blocks)
+    for (Estimate& estimate : block.parameters)
+      if (estimate.parameter == "V0") {
+        const double noise = 2e-6 * static_cast<double>(block.first / 7 % 5 - 2);
+        estimate.value = grown((block.first + block.last) / 2, block.oil_temperature) + noise;
+        estimate.std = 2e-6;
+      }
+  const std::string page = FormatReport(input);
+  EXPECT_TRUE(
+      std::regex_search(page, std::regex("It changed by \\+[0-9.]+ ± [0-9.]+ l beyond what the oil")));
+  EXPECT_FALSE(std::regex_search(page, std::regex("It changed by [^<]* % beyond")));
 }
 
 TEST(FormatReport, PutsTheVerdictBeforeEverythingElse) {

@@ -29,9 +29,17 @@ Scale ScaleOf(const ParameterInfo& info, double base, double base_std, double ch
   if (info.relative && RelativeChange(base, base_std, change)) return {100 / std::abs(base), "%"};
   return {info.factor, info.unit};
 }
-Scale ScaleOf(const ParameterInfo& info, const OilDependence& oil) {
+/// What goes with the oil and what does not are told in one scale; in % only if both are, and if the parameter did not
+/// begin near zero.
+Scale ScaleOf(const ParameterInfo& info, const ParameterAnalysis& analysis) {
+  const OilDependence& oil = analysis.oil;
   const double std = oil.line.coefficients.empty() ? 0 : oil.line.coefficients[0].std;
-  return ScaleOf(info, oil.value_at_mean, std, oil.explained);
+  std::vector<Scale> scales = {ScaleOf(info, oil.value_at_mean, std, oil.explained)};
+  if (oil.beyond.Known()) scales.push_back(ScaleOf(info, oil.value_at_mean, std, oil.beyond.value));
+  if (const ThirdsComparison& change = analysis.change; change.change.Known())
+    scales.push_back(ScaleOf(info, change.first, change.first_std, change.change.value));
+  const auto in_unit = std::ranges::find_if(scales, [](const Scale& s) { return s.unit != "%"; });
+  return in_unit == scales.end() ? scales.front() : *in_unit;
 }
 
 /// "+3.6 ± 0.3 %".
@@ -99,8 +107,10 @@ std::string BeyondText(const OilDependence& oil, const Scale& scale) {
   return "";
 }
 
-std::string OilText(const OilDependence& oil, const ParameterInfo& info, const CountedWords& counted) {
-  const Scale scale = ScaleOf(info, oil);
+std::string OilText(const ParameterAnalysis& analysis, const ParameterInfo& info,
+                    const CountedWords& counted) {
+  const OilDependence& oil = analysis.oil;
+  const Scale scale = ScaleOf(info, analysis);
   switch (oil.outcome) {
     case OilOutcome::kNone:
       return "";
@@ -218,7 +228,7 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
       break;
   }
   return fmt::format("It changed by {} beyond what the oil temperature accounts for.",
-                     Signed(oil.beyond, ScaleOf(info, oil)));
+                     Signed(oil.beyond, ScaleOf(info, analysis)));
 }
 
 std::string OilReading(const ParameterAnalysis& analysis) {
@@ -284,7 +294,7 @@ void AddOilSentence(std::vector<std::string>& out, const TrendAnalysis& analysis
     const OilDependence& oil = analysis.parameters[i].oil;
     if (oil.outcome != OilOutcome::kFollows) continue;
     follow.push_back(fmt::format("<b>{}</b> ({})", HtmlSymbol(infos[i].symbol),
-                                 Signed(oil.slope, ScaleOf(infos[i], oil), "/K")));
+                                 Signed(oil.slope, ScaleOf(infos[i], analysis.parameters[i]), "/K")));
   }
   const auto not_seen = NamesWhere(
       infos, [&](std::size_t i) { return analysis.parameters[i].oil.outcome == OilOutcome::kNotSeen; });
@@ -369,7 +379,7 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
   HearAlarms(alarms, analysis, info, counted, words);
   if (analysis.updated == 0) return words;
   words.change = ChangeText(analysis, info, counted);
-  words.oil = OilText(analysis.oil, info, counted);
+  words.oil = OilText(analysis, info, counted);
   return words;
 }
 

@@ -300,8 +300,13 @@ Status AxisReplay::Report(ReplayOutcome& outcome) {
   input.drift_verdict = outcome.watch.verdict_html;
   input.drift = outcome.watch.section_html;
   if (strokes_ && !AddChange(outcome, input)) {
-    if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained)
-      AddExplanation(*explained, "", input);
+    const auto explained = ExplainStrokes(std::move(*strokes_));
+    for (const RunInfo& run : outcome.runs)
+      if (explained && run.id == overlay_run_)
+        AddExplanation(*explained,
+                       WhichStrokes(input, {machine_.name, machine_id_, run.first_sequence,
+                                            run.first_sequence + run.strokes}),
+                       input);
   }
   outcome.report = report_;
   return WriteReport(report_, input);

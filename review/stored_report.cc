@@ -45,7 +45,7 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   input.alarms = alarms;
   input.drift_verdict = NotStoredBox(not_stored) + AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
   if (!InEpisodes(KindOf(outcome.machine)))  // whose effects are tried on logs alone
-    AddStoredExplanation(database, path, part, outcome.machine, input);
+    AddStoredExplanation(database, path, OfNewestVersion(part, input.runs), outcome.machine, input);
   TRY(WriteReport(page, input));
   const auto standing = std::ranges::count_if(alarms, [](const AlarmState& a) { return a.active; });
   return StoredReport{part.machine, part.strokes(), CountedWordsOf(outcome.machine), outcome.runs.size(),

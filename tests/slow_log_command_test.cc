@@ -11,6 +11,8 @@ namespace hydroscope {
 namespace {
 
 using namespace command_line_test;
+using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -83,6 +85,11 @@ TEST_F(SlowLog, GivesNoVerdictFromTheDatabaseAndIsNotLearned) {
     EXPECT_THAT(ran.out, Not(HasSubstr("ADEQUATE"))) << command;
     EXPECT_THAT(ran.out, Not(HasSubstr("describes these strokes"))) << command;
   }
+  const std::string page = File("slow.html");
+  ASSERT_EQ(Run({"report", "--db", db, "--out", page}).exit_code, 0);
+  EXPECT_THAT(ReadText(page), AllOf(HasSubstr("The model cannot be judged on these strokes: run 1"),
+                                    ContainsRegex("Why: run 1 .*: sampled too slowly"),
+                                    Not(HasSubstr("about down to what sensor noise leaves"))));
   const Ran learn = Run({"learn", "--db", db, "--json", "-"});
   EXPECT_NE(learn.exit_code, 0);
   EXPECT_EQ(learn.Json()["refused"][0]["doubts"][0]["kind"], "too_slow") << learn.out;

@@ -54,6 +54,9 @@ struct FindingPart {
   Told title = {};           ///< Quantity::title
   bool reversed =
       false;  ///< it has gone to the other side of healthy since; size and std are from before that
+
+  /// Its interval does not hold zero.
+  bool moved() const;
 };
 
 enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
@@ -90,6 +93,8 @@ struct DriftFinding {
 
   /// Its quantities are read off a model that holds.
   bool described() const { return compared.described && !beside_another; }
+  /// Nor does any of them tell by how much the machine changed: what is left is that the model does not describe it.
+  bool nameless() const;
 };
 
 /// What the numbers of a finding count: one, and several.
@@ -102,7 +107,7 @@ CountedIn ValveChecksCounted();
 
 /// "since stroke 48210 (48190 to 48230)".
 Told SinceText(const DriftFinding& finding, const CountedIn& counted = {});
-/// What changed, "Oil column softer"; of a change that the model does not describe, what comes nearest.
+/// What changed, "Oil column softer"; of a change that the model does not describe, what comes nearest, if that moved.
 Told NameText(const DriftFinding& finding);
 /// "K -10.00 +- 0.60 % (12000 -> 10800 bar); would explain as much: V0".
 Told SizesText(const DriftFinding& finding);

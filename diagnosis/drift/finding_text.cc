@@ -21,8 +21,12 @@ Told PercentTold(double share, double half_width) {
   return TellNumber(ChangeWithInterval(100 * share, 100 * half_width) + " %");
 }
 
+Told NameOf(const FindingPart& part) {
+  return part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
+}
+
 Told PartText(const FindingPart& part) {
-  const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
+  const Told quantity = NameOf(part);
   if (part.share) return Tell("{} {}", "{} {}", quantity, PercentTold(part.size, kNormal95 * part.std));
   if (part.reference == 0) {  // an effect that is absent when healthy
     const EffectUnit unit = EffectUnitFor(part.unit);
@@ -50,6 +54,12 @@ Told PartText(const FindingPart& part) {
 
 }  // namespace
 
+bool FindingPart::moved() const { return !reversed && std::abs(size) > kNormal95 * std; }
+
+bool DriftFinding::nameless() const {
+  return !described() && !parts.empty() && std::ranges::none_of(parts, &FindingPart::moved);
+}
+
 CountedIn CountedInOf(const MachineKind& kind) {
   if (InEpisodes(kind)) return {Tell("episode", "Episode"), Tell("episodes", "Episoden")};
   return {};
@@ -68,6 +78,8 @@ Told SinceText(const DriftFinding& finding, const CountedIn& counted) {
 
 Told NameText(const DriftFinding& finding) {
   if (!finding.compared.cause_title.empty()) return finding.compared.cause_title;
+  if (finding.nameless())
+    return Tell("Change that the model does not describe", "Änderung, die das Modell nicht beschreibt");
   if (!finding.described() && !finding.rule.empty())
     return Tell("Change that the model does not describe; nearest: {}",
                 "Änderung, die das Modell nicht beschreibt; am nächsten kommt: {}", finding.name);
@@ -78,8 +90,13 @@ Told NameText(const DriftFinding& finding) {
 
 Told SizesText(const DriftFinding& finding) {
   std::vector<Told> parts, sizes;
-  for (const FindingPart& part : finding.parts) parts.push_back(PartText(part));
-  if (!parts.empty()) sizes.push_back(Joined(parts));
+  for (const FindingPart& part : finding.parts)
+    parts.push_back(finding.nameless() ? NameOf(part) : PartText(part));
+  if (!parts.empty())
+    sizes.push_back(finding.nameless()
+                        ? Tell("whether {} moved cannot be told now",
+                               "ob {} sich bewegt hat, ist jetzt nicht zu sagen", Joined(parts))
+                        : Joined(parts));
   if (!finding.rivals.empty())
     sizes.push_back(Tell("would explain as much: {}", "ebenso viel würde erklären: {}",
                          fmt::format("{}", fmt::join(finding.rivals, ", "))));

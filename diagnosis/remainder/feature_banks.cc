@@ -16,7 +16,7 @@ constexpr int kKnots = 6;          ///< of the coefficient of a term, over one s
 constexpr int kRateKnots = 9;      ///< of a rate over one signal
 constexpr int kPairKnots = 5;      ///< of a rate over two signals, each
 constexpr int kPhaseKnots = 4;     ///< of a coefficient over the phase of the stroke
-constexpr int kTrendPowers = 2;    ///< of the time within the log
+constexpr int kTrendPowers = 2;    ///< of the time within the log, and of the order of logs
 constexpr int kPairedAxes = 3;     ///< signals taken two at a time
 constexpr int kMostModulated = 8;  ///< terms of the balance that get coefficients over signals
 constexpr double kTail = 0.01;     ///< quantile at the outer knots
@@ -87,7 +87,30 @@ FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeSt
   }
   paired_ = std::min<int>(kPairedAxes, static_cast<int>(axes_.size()));
   axes_.push_back({-1, 0.0, 1.0});
+  FindTimes();
   ChooseBanks();
+}
+
+/// Strokes of a log follow one another; a stroke without a stretch is of the log before it.
+void FeatureBanks::FindTimes() {
+  std::vector<std::size_t> begins;  // of logs
+  int log = 0;
+  for (std::size_t s = 0; s < strokes_.size(); ++s) {
+    const int own = strokes_[s].empty() ? log : strokes_[s].front().log;
+    if (begins.empty() || own != log) begins.push_back(s);
+    log = own;
+  }
+  several_logs_ = begins.size() > 1;
+  const auto place = [](std::size_t k, std::size_t count) {
+    return count > 1 ? 2.0 * static_cast<double>(k) / (static_cast<double>(count) - 1) - 1.0 : 0.0;
+  };
+  for (std::size_t l = 0; l < begins.size(); ++l) {
+    const std::size_t end = l + 1 < begins.size() ? begins[l + 1] : strokes_.size();
+    for (std::size_t s = begins[l]; s < end; ++s) {
+      in_log_.push_back(place(s - begins[l], end - begins[l]));
+      of_log_.push_back(place(l, begins.size()));
+    }
+  }
 }
 
 /// Channels that are measured, those that the base terms read first; not those that the output alone reads.
@@ -128,6 +151,7 @@ void FeatureBanks::ChooseBanks() {
   for (int c = 0; c < terms; ++c) all[c] = c;
   banks_.push_back({name(phase), all, {phase}, terms * kPhaseKnots});
   banks_.push_back({"the time within the log", all, {}, terms * kTrendPowers});
+  if (several_logs_) banks_.push_back({kOrderOfLogs, all, {}, terms * kTrendPowers, true});
   out_.banks.resize(banks_.size());
 }
 
@@ -250,14 +274,12 @@ const FeatureRows& FeatureBanks::Rows(std::size_t stroke, std::size_t part) {
   FillIncrements(stretch);
   FillPlaces(stretch, stroke);
   FillModel(blocks);
-  const double strokes = static_cast<double>(strokes_.size());
-  const double time = strokes > 1 ? 2.0 * static_cast<double>(stroke) / (strokes - 1) - 1.0 : 0.0;
   for (std::size_t b = 0; b < banks_.size(); ++b) {
     const FeatureBank& bank = banks_[b];
     if (bank.columns.empty())
       FillRates(bank, blocks, out_.banks[b]);
     else if (bank.axes.empty())
-      FillTrend(bank, time, out_.banks[b]);
+      FillTrend(bank, bank.of_logs ? of_log_[stroke] : in_log_[stroke], out_.banks[b]);
     else
       FillModulated(bank, blocks, out_.banks[b]);
   }

@@ -11,12 +11,16 @@
 
 namespace hydroscope {
 
+/// What is missing goes from log to log (FeatureBank::about).
+inline constexpr const char* kOrderOfLogs = "the order of the logs";
+
 /// Functions of the measured signals of one kind.
 struct FeatureBank {
   std::string about;  ///< what they are functions of, for people: "p_A", "p_A and z", "time in the log"
   std::vector<int> columns;  ///< base columns they modulate; empty: rates of their own
   std::vector<int> axes;     ///< one or two of the banks' axes; empty: the time within the log
   int count = 0;             ///< features
+  bool of_logs = false;      ///< without axes: the order of the logs in place of the time within each
 };
 
 /// Columns of one stretch in the form of the balance's own equations: block means of the running integral about their mean over
@@ -35,7 +39,8 @@ struct FeatureRows {
 
 /// Banks of features in which any law that depends on the signals as they are can be written nearly: every
 /// term of the base balance with a coefficient that is a piecewise linear function of one signal, of the
-/// phase of the stroke or of the time within the log (varying-coefficient model, Hastie and Tibshirani 1993),
+/// phase of the stroke, of the time within the log or of the order of several logs (varying-coefficient model, Hastie and
+/// Tibshirani 1993),
 /// and rates of their own that are piecewise linear functions of one or two signals. No feature holds a
 /// signal that only the output reads, whose noise is that of the equation.
 class FeatureBanks {
@@ -62,6 +67,7 @@ class FeatureBanks {
   void FillPlaces(const Stretch& stretch, std::size_t stroke);
   void FillModel(int blocks);
   void FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
+  void FindTimes();
   void FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const;
   void FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
   template <typename Visit>
@@ -74,6 +80,9 @@ class FeatureBanks {
   std::vector<Axis> axes_;
   int paired_ = 0;  ///< the first so many axes are taken two at a time too
   std::vector<FeatureBank> banks_;
+  /// -1 ... 1, of each stroke: its place within its log, and the place of that log among the logs.
+  std::vector<double> in_log_, of_log_;
+  bool several_logs_ = false;
   Stretch work_;
   int lead_ = 0;                                 ///< samples of the stretch before its first block
   std::vector<double> column_state_;             ///< Column::fill

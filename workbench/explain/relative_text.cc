@@ -1,5 +1,7 @@
 #include "workbench/explain/relative_text.h"
 
+#include "diagnosis/remainder/feature_banks.h"
+
 namespace hydroscope {
 
 std::vector<Relative> RelativesOf(const ExplainResult& result) {
@@ -9,6 +11,8 @@ std::vector<Relative> RelativesOf(const ExplainResult& result) {
   for (auto k = static_cast<std::size_t>(x.started); k < x.chosen.size(); ++k) {
     const Effect& effect = result.effect(x.chosen[k].effect);
     if (effect.family.empty()) continue;
+    // Whatever changed from log to log looks like anything that drifts through all of them.
+    if (!effect.drifting.empty() && x.base_left.about == kOrderOfLogs) continue;
     const Told where =
         effect.where ? Tell(" {}", ", {}", effect.where(result.NonlinearOf(x.chosen[k]))) : Told{};
     out.push_back(

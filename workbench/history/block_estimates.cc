@@ -80,12 +80,19 @@ std::vector<Estimate> Parameters(const ModelStructure& model, const ExtendedFit&
   return out;
 }
 
-double MeanOil(const std::vector<StrokeSummary>& strokes, std::int64_t first, std::int64_t last) {
-  double sum = 0, count = 0;
+/// Means over the strokes from `first` up to, not including, `last`.
+void SetMeans(const std::vector<StrokeSummary>& strokes, std::int64_t first, std::int64_t last,
+              BlockEstimates& block) {
   const auto from = std::ranges::lower_bound(strokes, first, {}, &StrokeSummary::index);
-  for (auto stroke = from; stroke != strokes.end() && stroke->index < last; ++stroke)
-    if (std::isfinite(stroke->oil_temperature)) sum += stroke->oil_temperature, ++count;
-  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  const auto mean = [&](auto value) {
+    double sum = 0, count = 0;
+    for (auto stroke = from; stroke != strokes.end() && stroke->index < last; ++stroke)
+      if (std::isfinite(value(*stroke))) sum += value(*stroke), ++count;
+    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  };
+  block.oil_temperature = mean([](const StrokeSummary& s) { return s.oil_temperature; });
+  for (std::size_t k = 0; k < block.conditions.size(); ++k)
+    block.conditions[k] = mean([k](const StrokeSummary& s) { return s.conditions[k]; });
 }
 
 }  // namespace
@@ -106,7 +113,8 @@ Result<std::vector<BlockEstimates>> EstimateBlocks(const Database& database, std
     BlockEstimates block;
     block.first = history.unit_parts[range.begin].first;
     block.last = history.unit_parts[range.end - 1].last;
-    block.oil_temperature = MeanOil(strokes, block.first, block.last);
+    SetMeans(strokes, block.first, block.last, block);
+    block.error = fit.fit_excess_ratio;
     block.parameters = Parameters(*shapes.structure, fit, units.size());
     blocks.push_back(std::move(block));
   }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/limits.h"
 #include "core/records/estimate.h"
 #include "core/records/stroke_record.h"
 #include "core/result.h"
@@ -18,6 +20,8 @@ struct BlockEstimates {
   /// Base parameters, then effects as "internal_leakage.G". `std` holds what strokes scatter by, not the
   /// uncertainty of the geometry, which all blocks share; NaN of a block of one unit.
   std::vector<Estimate> parameters;
+  std::array<double, kMaxConditions> conditions{};  ///< means of StrokeSummary::conditions; NaN as there
+  double error = 0;  ///< model error energy over noise energy that the block's own fit leaves; 0 = none
 };
 
 /// What a machine's record says about change, in independent pieces: successive estimates of the recursive

@@ -5,6 +5,8 @@
 #include <numeric>
 
 #include "core/distributions.h"
+#include "estimation/floor_trust.h"
+#include "estimation/trend_statistics.h"
 #include "models/counted_words.h"
 #include "storage/alarm_journal.h"
 #include "workbench/history/block_estimates.h"
@@ -16,7 +18,9 @@ constexpr std::size_t kFewestValues = 8, kFewestOfALevel = 3;
 /// Asked of a change before anybody is told of it unasked: it must be evident, not merely significant.
 constexpr double kEvident = 1e-4;
 constexpr double kBetterThanALine = 0.5;
-constexpr std::int64_t kOilSample = 2000;  ///< strokes whose oil temperature is read
+constexpr std::int64_t kOilSample = 2000;  ///< strokes whose oil temperature and conditions are read
+constexpr double kStandsOut = 3;           ///< standard deviations of the values before
+constexpr double kLeastEnergy = 0.1;       ///< of error and noise over noise, which scatters about 1
 
 double SquaresAboutMean(const double* first, const double* last) {
   const auto n = static_cast<double>(last - first);
@@ -41,6 +45,42 @@ double SquaresAboutLine(const std::vector<double>& x, const std::vector<double>&
     yy += (y[i] - mean_y) * (y[i] - mean_y);
   }
   return xx > 0 ? yy - xy * xy / xx : none;
+}
+
+/// Squares that the best of lines over each of `others` leaves.
+double SquaresAboutLines(const std::vector<std::vector<double>>& others, const std::vector<double>& y) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<double>& other : others) least = std::min(least, SquaresAboutLine(other, y));
+  return least;
+}
+
+/// Where two levels leave least of `values`, without a p.
+struct BestPlace {
+  LevelChange change;
+  double squares = std::numeric_limits<double>::infinity();
+  double places = 0;  ///< looked at
+};
+
+BestPlace FindBestPlace(const std::vector<double>& values) {
+  const std::size_t n = values.size();
+  const double *first = values.data(), *last = first + n;
+  BestPlace best;
+  for (std::size_t at = kFewestOfALevel; at + kFewestOfALevel <= n; ++at) {
+    const double left = SquaresAboutMean(first, first + at) + SquaresAboutMean(first + at, last);
+    if (left >= best.squares) continue;
+    best.squares = left;
+    best.change.at = at;
+  }
+  best.change.before = MeanOf(first, first + best.change.at);
+  best.change.after = MeanOf(first + best.change.at, last);
+  best.places = static_cast<double>(n - 2 * kFewestOfALevel + 1);
+  return best;
+}
+
+/// Whether the value at `last` is beyond those before it.
+bool StandsOut(const double* first, const double* last) {
+  const double scatter = std::sqrt(SquaresAboutMean(first, last) / static_cast<double>(last - first - 1));
+  return *last - MeanOf(first, last) > kStandsOut * scatter;
 }
 
 /// One parameter over the blocks that determine it.
@@ -98,6 +138,28 @@ std::optional<StoredChange> ToldByAlarm(const HistoryPart& part, const std::vect
   return earliest;
 }
 
+/// The error over the blocks, and what it may go with instead: the oil and what the strokes were driven at.
+std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks, const HistoryPart& part,
+                                       const CountedWords& counted) {
+  BlockSeries series{kByModelError, {}, {}, {}};
+  std::vector<std::vector<double>> others(1 + kMaxConditions);
+  for (const BlockEstimates& block : blocks) {
+    if (!std::isfinite(block.error)) continue;
+    series.values.push_back(std::log(std::max(1 + block.error, kLeastEnergy)));
+    series.blocks.push_back(&block);
+    others.back().push_back(block.oil_temperature);
+    for (std::size_t k = 0; k < block.conditions.size(); ++k) others[k].push_back(block.conditions[k]);
+  }
+  const auto growth = FindErrorGrowth(series.values, others);
+  if (!growth) return std::nullopt;
+  StoredChange found = ChangeAt(series, *growth, counted);
+  found.text = Tell("between {} {} and {}, where the model begins to err more",
+                    "zwischen {} {} und {}, wo das Modell mehr zu irren beginnt", counted.Many(),
+                    found.before_end, found.since);
+  if (!LeavesEnough(found, part)) return std::nullopt;
+  return found;
+}
+
 std::optional<StoredChange> EvidentInBlocks(const Database& database, const HistoryPart& part,
                                             const Machine& machine) {
   const auto strokes = database.SummariesOf(part.id, part.first, part.last, kOilSample);
@@ -114,7 +176,8 @@ std::optional<StoredChange> EvidentInBlocks(const Database& database, const Hist
     p = change->p;
     clearest = std::move(found);
   }
-  return clearest;
+  if (clearest) return clearest;
+  return ErrorGrows(*blocks, part, CountedWordsOf(machine));
 }
 
 }  // namespace
@@ -129,29 +192,34 @@ std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
                                            const std::vector<std::vector<double>>& others) {
   const std::size_t n = values.size();
   if (n < kFewestValues) return std::nullopt;
-  const double *first = values.data(), *last = first + n;
-  LevelChange best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t at = kFewestOfALevel; at + kFewestOfALevel <= n; ++at) {
-    const double left = SquaresAboutMean(first, first + at) + SquaresAboutMean(first + at, last);
-    if (left >= least) continue;
-    least = left;
-    best.at = at;
-  }
-  best.before = MeanOf(first, first + best.at);
-  best.after = MeanOf(first + best.at, last);
+  auto [best, least, places] = FindBestPlace(values);
   std::vector<double> numbers(n);
   std::iota(numbers.begin(), numbers.end(), 0.0);
-  double line = SquaresAboutLine(numbers, values);
-  for (const std::vector<double>& other : others) line = std::min(line, SquaresAboutLine(other, values));
+  const double line = std::min(SquaresAboutLine(numbers, values), SquaresAboutLines(others, values));
   if (!(least <= kBetterThanALine * line)) return std::nullopt;
   const double degrees = static_cast<double>(n) - 2;
   const double std_error =
       std::sqrt(least / degrees * (1 / static_cast<double>(best.at) + 1 / static_cast<double>(n - best.at)));
   const double t = std::abs(best.after - best.before) / std::max(std_error, 1e-300);
-  const auto places = static_cast<double>(n - 2 * kFewestOfALevel + 1);
   best.p = std::min(1.0, places * StudentTwoSided(t, degrees));
   if (!(best.p < kEvident)) return std::nullopt;
+  return best;
+}
+
+std::optional<LevelChange> FindErrorGrowth(const std::vector<double>& errors,
+                                           const std::vector<std::vector<double>>& others) {
+  const std::size_t n = errors.size();
+  if (n < kFewestValues) return std::nullopt;
+  auto [best, least, places] = FindBestPlace(errors);
+  if (!(best.after - best.before > std::log(1 + kFloorExcess))) return std::nullopt;
+  if (!(least <= kBetterThanALine * SquaresAboutLines(others, errors))) return std::nullopt;
+  std::vector<double> after(n, 0.0);
+  std::fill(after.begin() + static_cast<std::ptrdiff_t>(best.at), after.end(), 1.0);
+  const CorrelatedFit fit = FitCorrelated({std::vector<double>(n, 1.0), after}, errors, {}, 0);
+  if (fit.coefficients.empty()) return std::nullopt;
+  best.p = std::min(1.0, places * fit.coefficients[1].p);
+  if (!(best.p < kEvident)) return std::nullopt;
+  while (best.at > kFewestOfALevel + 1 && StandsOut(errors.data(), errors.data() + best.at - 1)) --best.at;
   return best;
 }
 

@@ -15,7 +15,7 @@ namespace hydroscope {
 struct StoredChange {
   std::int64_t since = 0;       ///< first stroke behind it, machine-wide
   std::int64_t before_end = 0;  ///< strokes from here to `since` may lie on either side
-  std::string by;               ///< what shows it: id of an alarm, or a parameter
+  std::string by;               ///< what shows it: id of an alarm, a parameter, or kByModelError
   Told text;                    ///< "since stroke 481, told by the alarm internal_leakage"
 };
 
@@ -25,9 +25,11 @@ bool TellsAChange(const AlarmState& alarm);
 /// The earliest change that a standing alarm of the drift watch tells inside `part`; without one, the change
 /// of a parameter that is evident in the stored strokes: two levels describe independent blocks of strokes
 /// (workbench/history/block_estimates.h) far better than one does, and clearly better than a line over the strokes or
-/// over the oil temperature. At least kFewestOnASide strokes lie on either side. nullopt: there is none, or
+/// over the oil temperature. Without that, the place where the error that each block's own fit leaves begins to be
+/// larger (FindErrorGrowth). At least kFewestOnASide strokes lie on either side. nullopt: there is none, or
 /// the strokes cannot be compared.
 inline constexpr std::int64_t kFewestOnASide = 8;
+inline constexpr const char* kByModelError = "model_error";
 std::optional<StoredChange> FindStoredChange(const Database& database, const HistoryPart& part,
                                              const Machine& machine, const std::vector<AlarmState>& alarms);
 
@@ -48,6 +50,14 @@ struct LevelChange {
 /// are at most half of those about a straight line over the values' numbers and over each of `others` (as
 /// long as `values`; NaN: not known, then that one is not asked). nullopt below 8 values.
 std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
+                                           const std::vector<std::vector<double>>& others);
+
+/// The place from which on `errors` (logarithms of error and noise energy over noise energy) are larger by more than
+/// estimation/floor_trust.h lets a model err, if that is evident: p below 1e-4, successive values taken as correlated,
+/// and squares left that are at most half of those about a straight line over each of `others`, as FindLevelChange. An
+/// error that grows steadily is a change as well: no line over the values' numbers is asked, and as it draws the step behind
+/// its beginning, the place is where the values begin to stand out. nullopt below 8 values.
+std::optional<LevelChange> FindErrorGrowth(const std::vector<double>& errors,
                                            const std::vector<std::vector<double>>& others);
 
 }  // namespace hydroscope

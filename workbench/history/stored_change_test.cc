@@ -41,6 +41,31 @@ TEST(LevelChange, IsNotFoundInNoiseInASteadyDriftOrInWhatFollowsTheOil) {
 
 TEST(LevelChange, NeedsEnoughValues) { EXPECT_FALSE(FindLevelChange({0, 0, 0, 0, 9, 9, 9}, {})); }
 
+/// Logarithms of error energy over blocks: `grows` from block 18 on, ever further.
+std::vector<double> Errors(std::uint64_t seed, double grows) {
+  std::vector<double> errors = Noise(34, seed);
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    errors[i] = 0.1 * errors[i] + (i < 18 ? 0.0 : grows * (1 + 0.1 * static_cast<double>(i - 18)));
+  return errors;
+}
+
+TEST(ErrorGrowth, IsFoundWhereItBeginsThoughItGoesOnAsALine) {
+  const std::vector<double> errors = Errors(1, 0.6);
+  EXPECT_FALSE(FindLevelChange(errors, {})) << "a line does nearly as well";
+  const auto growth = FindErrorGrowth(errors, {});
+  ASSERT_TRUE(growth.has_value());
+  EXPECT_NEAR(static_cast<double>(growth->at), 18, 1);
+}
+
+TEST(ErrorGrowth, IsNotFoundWhereAModelErrsAlikeErrsLessOrErrsWithTheOilOrTheSpeed) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) EXPECT_FALSE(FindErrorGrowth(Errors(seed, 0), {})) << seed;
+  EXPECT_FALSE(FindErrorGrowth(Errors(1, -0.6), {}));
+  EXPECT_FALSE(FindErrorGrowth(Errors(1, 0.05), {})) << "within what a model may err";
+  std::vector<double> speed(34);
+  for (std::size_t i = 0; i < speed.size(); ++i) speed[i] = Errors(2, 0.6)[i];
+  EXPECT_FALSE(FindErrorGrowth(Errors(1, 0.6), {std::vector<double>(34, 303), speed}));
+}
+
 TEST(StoredChange, LimitsSignalsAndSlowDriftsTellNoChange) {
   AlarmState alarm;
   alarm.id = "internal_leakage";
