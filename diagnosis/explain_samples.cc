@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/effect_swap.h"
 #include "diagnosis/explain.h"
@@ -366,28 +367,47 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   return parted ? std::move(*parted) : out;
 }
 
-/// What moves with time may as well follow the oil temperature, where the two rise together so evenly that a
+/// Of a group of effects what courses of the temperature and of time may be taken for one another.
+enum class Course { kNone, kOfTime, kFromASetPoint };
+
+/// A law of the temperature with a free temperature at which it vanishes is also an error that was there before, and grew with time.
+Course CourseOf(const ModelStructure& model, const std::vector<std::string>& group) {
+  std::size_t drifting = 0, from_a_set_point = 0;
+  for (const auto& effect : model.effects) {
+    if (!Contains(group, effect->id)) continue;
+    drifting += !effect->drifting.empty();
+    from_a_set_point += !effect->nonlinear.empty() && effect->nonlinear.front().unit == "K";
+  }
+  if (drifting == group.size()) return Course::kOfTime;
+  return drifting == 0 && from_a_set_point > 0 ? Course::kFromASetPoint : Course::kNone;
+}
+
+/// What moves with time may as well follow the oil temperature, and the other way round, where the two rise together so evenly that a
 /// law of the one in place of the other would leave nothing to see.
 void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& options, Explanation& out) {
   if (out.partial) return;
   for (const auto& group : out.groups) {
-    const bool of_time = std::all_of(group.begin(), group.end(), [&](const std::string& id) {
-      return std::any_of(out.model->effects.begin(), out.model->effects.end(),
-                         [&](const auto& effect) { return effect->id == id && !effect->drifting.empty(); });
-    });
-    if (!of_time) continue;
+    const Course course = CourseOf(*out.model, group);
+    if (course == Course::kNone) continue;
     const bool measured = out.model->temperature_channel >= 0;
     const double apart = 1 - SharedCourse(strokes, out.model->temperature_channel);
     const double excess = std::max(0.0, out.base.excess_ratio);
     if (measured && apart * excess > options.floor_excess + options.left_share * excess) continue;
     out.partial = true;
-    out.doubt =
-        measured
-            ? Tell(
-                  "the oil temperature moved evenly with time: a law of the temperature would look the same",
-                  "die Öltemperatur lief gleichmäßig mit der Zeit: ein Gesetz der Temperatur sähe genauso aus")
-            : Tell("the oil temperature is not measured: a law of the temperature may look the same",
-                   "die Öltemperatur wird nicht gemessen: ein Gesetz der Temperatur kann genauso aussehen");
+    if (course == Course::kFromASetPoint)
+      out.doubt = Tell(
+          "the oil temperature moved evenly with time: an error that was there from the beginning and grows with time would look the "
+          "same",
+          "die Öltemperatur lief gleichmäßig mit der Zeit: ein Fehler, der von Anfang an da war und mit der Zeit wächst, sähe genauso "
+          "aus");
+    else if (measured)
+      out.doubt =
+          Tell("the oil temperature moved evenly with time: a law of the temperature would look the same",
+               "die Öltemperatur lief gleichmäßig mit der Zeit: ein Gesetz der Temperatur sähe genauso aus");
+    else
+      out.doubt =
+          Tell("the oil temperature is not measured: a law of the temperature may look the same",
+               "die Öltemperatur wird nicht gemessen: ein Gesetz der Temperatur kann genauso aussehen");
   }
 }
 

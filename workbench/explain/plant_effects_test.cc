@@ -182,6 +182,20 @@ TEST(PlantEffects, ADriftIsDoubtedWhereTheOilWarmsEvenly) {
   EXPECT_THAT(x.doubt.german, HasSubstr("die Öltemperatur lief gleichmäßig mit der Zeit"));
 }
 
+/// A zero that is off and drifts is, over an evenly rising temperature, one that follows the temperature from where it was set.
+TEST(PlantEffects, AZeroThatIsOffAndDriftsIsNotSurelyOneOfTheTemperature) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.oil_start = 308.15;
+  options.oil_end = 323.15;
+  options.effects = {{"pressure_offset", 2.3e5, {}}};
+  options.imperfections = {{"pressure_offset_drift", 2e5, {}, ""}};
+  const Explanation x =
+      ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes))->explanation;
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("there from the beginning and grows with time"));
+}
+
 /// Air is a relative of oil that stiffens, which the library does not hold here; a law without a name comes nearer.
 TEST(PlantEffects, ALawWithoutANameThatExplainsTheErrorBetterLeavesNoName) {
   for (const std::uint64_t seed : {41u, 42u}) {
