@@ -9,6 +9,7 @@
 #include "pipeline/episode_cutter.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/log_faults/broken_strokes.h"
+#include "pipeline/log_faults/stuck_signal.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/time_stamps.h"
@@ -83,7 +84,11 @@ void SendToExplain(CheckResult& check) {
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
   if (!fitted) {
     check.no_fit = fitted.error().text;
-    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
+    const bool stuck = !StuckSignal(check.pass.summary, check.machine, model).empty();
+    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving,
+                                            stuck ? Tell("mend what stands below, and record again",
+                                                         "beheben, was unten steht, und neu aufzeichnen")
+                                                  : Told());
     return;
   }
   check.figures = std::move(fitted->fit);
@@ -204,9 +209,11 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   if (pipeline) {
     check.conditions = survey.conditions();
     check.driving.too_short = pipeline->discarded_strokes();
-    if (check.pass.no_verdict.empty() && check.pass.swapped.empty())
-      TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
-    else
+    if (check.pass.no_verdict.empty() && check.pass.swapped.empty()) {
+      LogStrokes kept = strokes.Finish(*pipeline);
+      kept.stuck = StuckSignal(check.pass.summary, check.machine, pipeline->model());
+      TakeFit(FitStrokes(std::move(kept)), pipeline->model(), check);
+    } else
       check.parameters = ParametersWithoutFit(
           pipeline->model(), Tell("readings of a signal are wrong", "Werte eines Signals sind falsch"),
           check.driving,
