@@ -124,7 +124,9 @@ Status FindWhatTaughtNothing(const Database& database, std::int64_t machine_id, 
                              ReplayOutcome& outcome) {
   for (LogReplay& log : outcome.logs) {
     if (log.status == ReplayStatus::kFailed || log.run.strokes == 0) continue;
-    if (log.run.strokes < kEnoughStrokes && !outcome.latest.empty()) continue;
+    const std::int64_t seen =
+        log.run.strokes + log.summary.discarded_strokes;  // bad values cut strokes short
+    if (seen < kEnoughStrokes && !outcome.latest.empty()) continue;
     if (TRY(Taught(database, machine_id, log.run))) continue;
     const Told stuck = StuckSignal(log.summary, outcome.machine, model);
     log.taught_nothing = fmt::format("none of {} told of a parameter{}{}",

@@ -70,8 +70,9 @@ TEST_F(ConfoundedCommand, ADatabaseAndTheTableOfExplainSayTheSame) {
   EXPECT_THAT(ReadText(File("a.html")), HasSubstr("<dt>Not identifiable</dt>"));
   EXPECT_THAT(ReadText(File("a.html")), HasSubstr("<b>Not identifiable:</b> Q_vn: confounded with"));
   ExpectConfounded(Summary("a.db", "Q_vn"));
-  EXPECT_THAT(Run({"trends", "--db", File("a.db")}).out,
-              HasSubstr("\nNot identifiable\nQ_vn: confounded with internal_leakage"));
+  EXPECT_THAT(
+      Run({"trends", "--db", File("a.db")}).out,
+      AllOf(HasSubstr("\nNot identifiable\n"), HasSubstr("\nQ_vn: confounded with internal_leakage")));
   ExpectConfounded(
       Run({"explain", "--db", File("a.db"), "--json", "-"}).Json()["base"]["parameters"]["Q_vn"]);
   EXPECT_THAT(Run({"explain", "--db", File("a.db")}).out,
@@ -87,9 +88,7 @@ TEST_F(ConfoundedCommand, ADatabaseStatesTheToleranceOfTheAreaAsFitDoes) {
   EXPECT_GT(replayed["parameters"]["Q_vn"]["std"].get<double>(), least);
   EXPECT_EQ(replayed["parameters"]["Q_vn"]["identifiable"], true);
   EXPECT_EQ(replayed["assumed_tolerances"][0]["name"], "A_A");
-  const nlohmann::json summary = Summary("a.db", "Q_vn");
-  EXPECT_EQ(summary["std"], replayed["parameters"]["Q_vn"]["std"]);
-  EXPECT_LT(summary["change"]["std"].get<double>(), least);
+  EXPECT_EQ(Summary("a.db", "Q_vn")["std"], replayed["parameters"]["Q_vn"]["std"]);
   EXPECT_THAT(Run({"trends", "--db", File("a.db")}).out, HasSubstr("A_A has no tolerance"));
   const nlohmann::json explained = Run({"explain", "--db", File("a.db"), "--json", "-"}).Json();
   EXPECT_GT(explained["base"]["parameters"]["Q_vn"]["std"].get<double>(), least);

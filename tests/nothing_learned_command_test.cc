@@ -16,7 +16,7 @@ class NothingLearned : public CommandLine {
  protected:
   /// A log of the press whose spool reading is one and the same throughout.
   std::string Stuck(const std::string& name) {
-    std::istringstream good(ReadText(Simulate("good.csv", 60, 1)));
+    std::istringstream good(ReadText(Simulate("good.csv", 90, 1)));
     std::string text, line, field;
     std::size_t column = 0;
     for (bool header = true; std::getline(good, line); header = false) {
@@ -24,7 +24,7 @@ class NothingLearned : public CommandLine {
       std::string row;
       for (std::size_t k = 0; std::getline(fields, field, ','); ++k) {
         if (header && field.starts_with("y_v")) column = k;
-        row += (k > 0 ? "," : "") + (!header && k == column ? "0.085" : field);
+        row += (k > 0 ? "," : "") + (!header && k == column ? "0.3" : field);
       }
       text += row + "\n";
     }

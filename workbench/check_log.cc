@@ -47,7 +47,7 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   }
 }
 
-void TakeConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
+void TellConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
   for (CheckedParameter& p : check.parameters) {
     const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
     if (confounding == nullptr || p.estimate.reason != EstimateReason::kConfounded) continue;
@@ -95,7 +95,7 @@ void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult&
   check.trust = std::move(fitted->trust);
   check.suspicion = std::move(fitted->suspicion);
   check.parameters = JudgeParameters(check.figures.parameters, check.driving);
-  TakeConfoundings(fitted->confounded, check);
+  TellConfoundings(fitted->confounded, check);
   SendToExplain(check);
   DoubtSlowRows(check);
 }

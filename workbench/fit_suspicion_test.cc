@@ -55,8 +55,9 @@ TEST(FitSuspicion, SignalsThatAreLateAreSaid) {
 
 // "This is so in strokes 1, 5 alone" needs to know what.
 TEST(FitSuspicion, WhatIsMissingIsSaidBeforeWhereItIs) {
-  PressOptions options = Press();
-  options.imperfections = {{"intermittent_leakage", 2e-11, {}}};
+  PressOptions options;
+  options.seconds = 90;
+  options.imperfections = {{"intermittent_leakage", 8e-12, {{"share", 0.2}}, ""}};
   const FitSuspicion suspicion = SuspicionFor(options);
   ASSERT_GE(suspicion.warnings.size(), 2u);
   EXPECT_NE(suspicion.warnings[suspicion.warnings.size() - 2].english.find("the model misses"),
