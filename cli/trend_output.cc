@@ -134,6 +134,19 @@ std::string Reasons(const std::vector<TrendSummary>& summaries, const CountedWor
   return text.empty() ? text : fmt::format("\nNot updated by the last {}\n", counted.one) + text;
 }
 
+/// What the newest estimates rest on.
+std::string StatedText(const MachineTrends& trends) {
+  std::string text;
+  for (const TrendSummary& s : trends.summaries)
+    if (s.confounded)
+      text += fmt::format("{}: {}; {}\n", s.parameter, s.confounded->reason.english,
+                          s.confounded->advice.english);
+  if (!text.empty()) text = "\nNot identifiable\n" + text;
+  if (!trends.assumed.empty()) text += "\n";
+  for (const AssumedTolerance& assumed : trends.assumed) text += AssumedText(assumed) + "\n";
+  return text;
+}
+
 /// Changes that the drift watch alarms: one that began late hardly shows in a comparison of thirds.
 std::string AlarmsText(const MachineTrends& trends) {
   std::string text;
@@ -189,6 +202,13 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
                         {"updated", s.updated},
                         {"reason", ReasonName(s.latest.reason)},
                         {"change", nullptr}};
+  if (s.confounded) {
+    if (s.latest.reason == EstimateReason::kUpdated) out["reason"] = ReasonName(EstimateReason::kConfounded);
+    out.update({{"confounded_with", s.confounded->effects},
+                {"confounded_bias", s.confounded->bias},
+                {"why", s.confounded->reason.english},
+                {"advice", s.confounded->advice.english}});
+  }
   if (!s.change) return out;
   out["change"] = {
       {"value", s.change->value}, {"std", s.change->std},           {"significant", s.change->significant},
@@ -228,7 +248,7 @@ std::string TrendText(const MachineTrends& trends) {
   text += "\n" + TableRow(widths, {"parameter", "latest, 95 %", "unit", "change, 95 %",
                                    std::string(trends.counted.many)});
   for (const TrendSummary& s : summaries) text += Row(s, widths, trends.counted);
-  return text + Reasons(summaries, trends.counted) + AlarmsText(trends);
+  return text + Reasons(summaries, trends.counted) + StatedText(trends) + AlarmsText(trends);
 }
 
 Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,

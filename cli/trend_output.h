@@ -7,6 +7,7 @@
 #include "core/counted_words.h"
 #include "core/records/alarm_records.h"
 #include "core/result.h"
+#include "pipeline/geometry_tolerance.h"
 #include "storage/database.h"
 #include "workbench/history/trend_summary.h"
 
@@ -20,8 +21,9 @@ struct MachineTrends {
   std::int64_t begin = 0, end = 0;  ///< strokes with begin <= sequence < end
   TrendPoint first, last;           ///< of the points
   std::vector<TrendSummary> summaries;
-  CountedWords counted;            ///< what its points stand for
-  std::vector<AlarmState> alarms;  ///< of the drift watch, that tell a change and stand
+  std::vector<AssumedTolerance> assumed;  ///< tolerances that the intervals of the newest estimates rest on
+  CountedWords counted;                   ///< what its points stand for
+  std::vector<AlarmState> alarms;         ///< of the drift watch, that tell a change and stand
 };
 
 /// Shows the points of a machine one by one, in order of sequence, until one is refused with false. Error: the database

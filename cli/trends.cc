@@ -12,6 +12,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "storage/database.h"
+#include "workbench/history/stated_estimates.h"
 #include "workbench/history/stored_change.h"
 #include "workbench/history/stroke_history.h"
 
@@ -86,6 +87,23 @@ JudgedBy BlocksOf(const TrendsArguments& a, Database& database, const HistoryPar
   return by;
 }
 
+/// The newest estimates with the intervals and marks they are stated with; as they are stored where nothing tells these.
+void StateSummaries(const Database& database, const Machine& machine, MachineTrends& trends) {
+  const auto model = BuildModel(machine);
+  if (!model) return;
+  std::vector<Estimate> latest;
+  for (const TrendSummary& summary : trends.summaries) latest.push_back(summary.latest);
+  const auto stated = StateEstimates(database, trends.id, machine, **model, trends.runs, latest);
+  if (!stated) return;
+  for (std::size_t i = 0; i < latest.size(); ++i) {
+    TrendSummary& summary = trends.summaries[i];
+    summary.latest.std = latest[i].std;
+    if (const Confounding* c = FindConfounding(stated->confounded, summary.parameter))
+      summary.confounded = *c;
+  }
+  trends.assumed = stated->assumed;
+}
+
 Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {
   MachineTrends trends;
   trends.machine = machine;
@@ -105,7 +123,8 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   }));
   const HistoryPart part{machine, id, trends.begin, trends.end};
   const MachineKind* kind = nullptr;
-  if (const auto stored = StoredMachine(database, a.db, part); stored) {
+  const auto stored = StoredMachine(database, a.db, part);
+  if (stored) {
     trends.counted = CountedWordsOf(*stored);
     kind = &KindOf(*stored);
   }
@@ -114,6 +133,7 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   const JudgedBy by = BlocksOf(a, database, part);
   trends.summaries = std::move(summariser).Finish(by.blocks, by.strokes);
   for (TrendSummary& summary : trends.summaries) summary.kind = kind;
+  if (stored) StateSummaries(database, *stored, trends);
   if (any || a.parameter.empty() || trends.end == 0) return trends;
 
   const auto names = TRY(database.ParameterNames(id));

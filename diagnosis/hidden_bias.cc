@@ -15,7 +15,13 @@ constexpr double kUnseen = 0.15;
 /// A bias below this share of the value (of a number without unit: absolute) matters to nobody.
 constexpr double kMatters = 0.02, kNumberMatters = 0.005;
 
-/// Directions of base parameters and added effects in the model's columns.
+bool IsAdded(const ExtendedFit& fit, int effect) {
+  return std::any_of(fit.effects.begin(), fit.effects.end(),
+                     [&](const EffectEstimate& e) { return e.choice.effect == effect; });
+}
+
+}  // namespace
+
 Eigen::MatrixXd ModelDirections(const StrokeSet& strokes, const ExtendedFit& fit) {
   const ModelStructure& model = strokes.model();
   const int base = model.base_count, added = static_cast<int>(fit.effects.size());
@@ -28,13 +34,6 @@ Eigen::MatrixXd ModelDirections(const StrokeSet& strokes, const ExtendedFit& fit
   }
   return directions;
 }
-
-bool IsAdded(const ExtendedFit& fit, int effect) {
-  return std::any_of(fit.effects.begin(), fit.effects.end(),
-                     [&](const EffectEstimate& e) { return e.choice.effect == effect; });
-}
-
-}  // namespace
 
 std::vector<HiddenBias> HiddenBiases(const StrokeSet& strokes, const ExtendedFit& fit) {
   std::vector<HiddenBias> out;
@@ -68,7 +67,7 @@ std::vector<HiddenBias> HiddenBiases(const StrokeSet& strokes, const ExtendedFit
 }
 
 std::vector<HiddenBias> ConfoundedBiases(const StrokeSet& strokes, const ExtendedFit& fit,
-                                         const std::vector<Estimate>& parameters) {
+                                         std::span<const Estimate> parameters) {
   std::vector<HiddenBias> out = HiddenBiases(strokes, fit);
   std::erase_if(out, [&](const HiddenBias& b) {
     const Estimate& e = parameters[static_cast<std::size_t>(b.parameter)];

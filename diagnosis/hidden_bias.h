@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
@@ -17,6 +18,9 @@ struct HiddenBias {
   double excess_ratio = 0;
 };
 
+/// Directions of base parameters and of the effects of `fit` in the model's columns.
+Eigen::MatrixXd ModelDirections(const StrokeSet& strokes, const ExtendedFit& fit);
+
 /// By how much each effect of the library with no nonlinear parameter would bias each physical parameter of a
 /// model fitted to strokes (omitted variable bias: theta moves by (X'X)^-1 X'g per unit size). Effects that
 /// the strokes do not measure are left out.
@@ -26,6 +30,6 @@ std::vector<HiddenBias> HiddenBiases(const StrokeSet& strokes, const ExtendedFit
 /// than what matters, of effects that the strokes all but mimic by the model and that leave an error nobody
 /// sees. Of each parameter, largest first.
 std::vector<HiddenBias> ConfoundedBiases(const StrokeSet& strokes, const ExtendedFit& fit,
-                                         const std::vector<Estimate>& parameters);
+                                         std::span<const Estimate> parameters);
 
 }  // namespace hydroscope

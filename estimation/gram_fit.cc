@@ -9,6 +9,7 @@
 #include "core/non_negative.h"
 #include "core/told_error.h"
 #include "estimation/decompositions.h"
+#include "estimation/error_trust.h"
 
 namespace hydroscope {
 namespace {
@@ -311,6 +312,8 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   const Eigen::VectorXd stds = DerivedStd(model, integral, derived, fit.clusters, replicas);
   const Eigen::VectorXd excitation = Excitation(total.h);
   const std::vector<int> own = OwnParameters(derived, fit.theta);
+  const std::vector<bool> carried =
+      CarriedByError(total.h, total_flow, fit.theta, fit.rms_holdout, fit.noise_floor);
   const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
   for (std::size_t i = 0; i < derived.size(); ++i) {
     const double random = spread_known ? stds[i] : kInfinity;
@@ -321,6 +324,8 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
     estimate.std = std::hypot(random, derived[i].geometry_std);
     estimate.excitation = excitation[own[i]];
     estimate.reason = TrustOf(derived[i], estimate.std);
+    if (estimate.reason == EstimateReason::kUpdated && carried[static_cast<std::size_t>(own[i])])
+      estimate.reason = EstimateReason::kConfounded;
     fit.parameters.push_back(estimate);
   }
   return fit;

@@ -9,7 +9,8 @@ namespace hydroscope {
 DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, std::string_view si) {
   const MachineParameter* known = FindParameter(kind, parameter);
   if (known != nullptr && !known->shown.empty()) return {known->factor, 0, known->shown};
-  DisplayUnit unit = DisplayUnitFor(si);
+  const bool of_effect = known == nullptr && parameter.find('.') != std::string_view::npos;
+  DisplayUnit unit = of_effect ? DisplayUnitOfEffect(si) : DisplayUnitFor(si);
   if (unit.name == "1" || unit.name.empty()) unit.name = "-";
   return unit;
 }

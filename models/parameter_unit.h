@@ -9,7 +9,7 @@
 namespace hydroscope {
 
 /// The unit in which people read a parameter of such a machine: the one its kind tells ("% of stroke" of y_0), else the usual
-/// one of the SI unit; "-" for a plain number.
+/// one of the SI unit, of the size of an effect ("internal_leakage.G") that of effects; "-" for a plain number.
 DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, std::string_view si);
 
 /// Whether changes of a parameter are told in per cent: not where its zero is one of many (a null, a temperature).

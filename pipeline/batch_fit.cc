@@ -8,6 +8,7 @@
 #include "pipeline/log_faults/broken_strokes.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_faults/sensor_ends.h"
+#include "pipeline/log_faults/stuck_signal.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/time_stamps.h"
@@ -149,6 +150,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
       !broken.empty())
     out.swapped.push_back(Tell("{}: {}", "{}: {}", log, broken));
   for (const Told& end : CutOffTexts(pass.channels, machine)) out.notes.push_back(log + ": " + end.english);
+  out.stuck = StuckSignal(pass.summary, machine, *out.model);
   for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
 }
@@ -170,6 +172,7 @@ void Append(LogStrokes next, LogStrokes& all) {
   all.notes.insert(all.notes.end(), next.notes.begin(), next.notes.end());
   all.echoes.insert(all.echoes.end(), next.echoes.begin(), next.echoes.end());
   all.swapped.insert(all.swapped.end(), next.swapped.begin(), next.swapped.end());
+  if (all.stuck.empty()) all.stuck = next.stuck;
   all.discarded_strokes += next.discarded_strokes;
   all.reader.rows += next.reader.rows;
   all.reader.rejected_rows += next.reader.rejected_rows;

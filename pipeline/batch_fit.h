@@ -29,6 +29,7 @@ struct LogStrokes {
   std::vector<std::string> notes;  ///< what should be known of the logs, one sentence each
   std::vector<ReadingFaults::Echo> echoes;
   std::vector<Told> swapped;  ///< LogPass::swapped, BrokenUp, with the log: no verdict on these strokes
+  Told stuck;                 ///< StuckSignal, of the first log of which there is something to say
   std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 
   std::vector<StrokeGram> Grams() const;

@@ -21,8 +21,8 @@ struct AssumedTolerance {
 };
 
 /// Gives areas of the model without `std` (or with 0, which no area has) the standard uncertainty
-/// kAreaTolerance and says which. For commands that print intervals of one fit (check, fit, compare, explain):
-/// what all strokes share is no change, so trends and the drift watch leave it out.
+/// kAreaTolerance and says which. For what is stated of a parameter by itself, of a log or of a database. What all
+/// strokes share is no change: whoever compares strokes with one another, the drift watch first, leaves it out.
 std::vector<AssumedTolerance> AssumeTolerances(Machine& machine);
 
 /// "A_A has no tolerance in the machine file: 0.5 % assumed, which V0 and Q_vn share in proportion".

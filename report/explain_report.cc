@@ -280,11 +280,25 @@ std::string Ranking(const ExplainResult& result) {
   return out + UnrankedEffects(unranked);
 }
 
+/// Parameters that effects could move which these strokes do not show.
+std::string Confounded(const ExplainResult& result) {
+  const bool extended = result.explanation.steps.size() > 1;
+  std::string out;
+  if (extended && !result.confounded.empty())
+    out += fmt::format("<p class=\"note\"><b>Not identifiable, model as it is:</b> {}</p>",
+                       EscapeText(ConfoundedNames(result.confounded)));
+  for (const Confounding& c : result.extended_confounded)
+    out += fmt::format("<p class=\"note\"><b>Not identifiable{}:</b> {}: {}; {}</p>",
+                       extended ? ", extended" : "", EscapeText(c.parameter), EscapeText(c.reason.english),
+                       EscapeText(c.advice.english));
+  return out;
+}
+
 std::string Parameters(const ExplainResult& result) {
   const MachineKind& kind = KindOf(result.log.machine);
   const Explanation& x = result.explanation;
   const bool extended = x.steps.size() > 1;
-  const auto after = BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
+  const std::vector<Estimate> after = result.ExtendedParameters();
   std::string out =
       "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it is</th>";
   out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
@@ -314,7 +328,8 @@ std::string Parameters(const ExplainResult& result) {
                                             : "–");
     out += extended ? "<td class=\"number\">" + size + "</td><td></td></tr>" : "</tr>";
   }
-  return out + "</table><p class=\"note\">± half of the 95 % interval, clustered by stroke.</p></div>\n";
+  return out + "</table><p class=\"note\">± half of the 95 % interval, clustered by stroke.</p>" +
+         Confounded(result) + "</div>\n";
 }
 
 std::string History(const ExplainResult& result) {

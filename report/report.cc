@@ -78,14 +78,25 @@ bool HasOil(const Machine& machine, const TrendAnalysis& analysis) {
          (!kind.temperature.empty() && (!kind.own_library || machine.SignalIndex(kind.temperature) >= 0));
 }
 
+/// The interval of the newest estimate as it is stated; changes are judged without what all strokes share.
+void StateLatest(const std::vector<Estimate>& stated, ParameterAnalysis& analysis) {
+  const auto known = std::ranges::find(stated, analysis.parameter, &Estimate::parameter);
+  if (!analysis.latest || known == stated.end()) return;
+  const double wider = known->std / analysis.samples.back().std;
+  if (wider > 1) analysis.latest->std *= wider;
+}
+
 Report Prepare(const ReportInput& input) {
   Report report{input, AnalyseTrends(input), {}, {}, {}, CountedWordsOf(input.machine)};
   report.has_oil = HasOil(input.machine, report.analysis);
   for (ParameterAnalysis& analysis : report.analysis.parameters) {
     if (!report.has_oil) analysis.oil.outcome = OilOutcome::kNone;
+    StateLatest(input.latest, analysis);
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
     report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted, input.alarms));
+    if (const Confounding* c = FindConfounding(input.confounded, analysis.parameter))
+      report.words.back().confounded = EscapeText(c->reason.english + "; " + c->advice.english);
   }
   report.verdict = DescribeVerdict(input, report.analysis, report.infos, report.words);
   return report;
@@ -134,8 +145,8 @@ std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, c
                                            : "";
   out +=
       "<p class=\"value\">" + words.value + note + "</p><p class=\"reading\">" + words.reading + "</p><dl>";
-  out += Term("Over the record", words.change) + Term("Oil temperature", words.oil) +
-         Term("Limits", words.limits);
+  out += Term("Not identifiable", words.confounded) + Term("Over the record", words.change) +
+         Term("Oil temperature", words.oil) + Term("Limits", words.limits);
   return out + "</dl></article>\n";
 }
 

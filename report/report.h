@@ -8,6 +8,7 @@
 #include "core/records/alarm_records.h"
 #include "core/result.h"
 #include "pipeline/stroke_overlays.h"
+#include "workbench/explain/confounding.h"
 #include "workbench/explain/headline.h"
 #include "workbench/history/trend_analysis.h"
 
@@ -31,8 +32,10 @@ struct ReportInput : RecordedHistory {
   std::string explanation;                  ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read
   double noise_floor = 0, rms_holdout = 0;  ///< SI of the output; 0 = take the medians over the strokes
-  std::string
-      not_judged;  ///< why the error of the model says nothing (ImpossibleFigures, Explanation::no_verdict), "" if it does
+  std::vector<Estimate> latest;             ///< after the last stroke, as they are stated (StateEstimates)
+  std::vector<Confounding> confounded;      ///< of them
+  /// Why the error of the model says nothing (ImpossibleFigures, Explanation::no_verdict), "" if it does.
+  std::string not_judged;
   std::optional<ErrorFinding> found;  ///< by the explanation; nothing = no verdict
   std::string program_version;        ///< "" = not shown
   std::string created;                ///< date and time as text, "" = not shown

@@ -18,12 +18,14 @@ enum class Standing { kSteady, kOil, kUnknown, kHint, kChanged, kWarned, kAlarme
 /// may be the machine's, the oil's or a sensor's.
 struct ParameterWords {
   Standing standing = Standing::kUnknown;
-  std::string pill;       ///< two or three words for `standing`
-  std::string value;      ///< "14120 ± 210 bar" or "not identified"
-  std::string reading;    ///< one or two sentences, the verdict
-  std::string change;     ///< over the record
-  std::string oil;        ///< dependence on oil temperature
-  std::string limits;     ///< against the machine file
+  std::string pill;     ///< two or three words for `standing`
+  std::string value;    ///< "14120 ± 210 bar" or "not identified"
+  std::string reading;  ///< one or two sentences, the verdict
+  std::string change;   ///< over the record
+  std::string oil;      ///< dependence on oil temperature
+  std::string
+      confounded;      ///< HTML: what the newest estimate rests on, "" = nothing that the strokes do not show
+  std::string limits;  ///< against the machine file
   bool by_alarm = false;  ///< `standing` is what an alarm says, not the record as a whole
 };
 /// Alarms that stand and speak of the parameter override what the record as a whole does not show: a young change, a slow one.

@@ -88,6 +88,9 @@ std::string Troubles(const ReplayOutcome& outcome) {
       text += fmt::format(
           "NO {}: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine M.toml\n",
           Capitals(CountedWordsOf(outcome.machine).one), r.log, r.summary.gated, r.summary.rows, r.log);
+    if (!r.taught_nothing.empty())
+      text += fmt::format("NOTHING LEARNED: {}: {}; look at it with: hydroscope check {} --machine M.toml\n",
+                          r.log, r.taught_nothing, r.log);
   }
   return text.empty() ? text : "\n" + text;
 }
@@ -103,22 +106,28 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = ParameterUnit(KindOf(outcome.machine), e.parameter, e.unit);
+    const Confounding* confounding = FindConfounding(outcome.stated.confounded, e.parameter);
+    const bool confounded = confounding != nullptr && e.reason == EstimateReason::kConfounded;
     const int digits = DigitsFor(e.value, kNormal95 * e.std);
     const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset, digits); };
     text += fmt::format("{:<8} {:>12} {:>12} ... {:<9}  {:<6}{}\n", e.parameter, shown(e.value),
                         shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
-                        e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
+                        confounded ? fmt::format(" NOT IDENTIFIABLE: {}; {}", confounding->reason.english,
+                                                 confounding->advice.english)
+                        : e.reason == EstimateReason::kUpdated ? ""
+                                                               : fmt::format(" {}", ReasonText(e.reason)));
   }
+  for (const AssumedTolerance& assumed : outcome.stated.assumed) text += AssumedText(assumed) + "\n";
   const DisplayUnit unit = UnitOfErrors(outcome.machine);
-  if (outcome.figures.clusters.unit != ClusterUnit::kStroke)
+  if (outcome.stated.figures.clusters.unit != ClusterUnit::kStroke)
     text += fmt::format("{} of the last run hang together: intervals are at least those of groups of them\n",
                         counted.many);
-  if (outcome.figures.noise_floor > 0)
+  if (outcome.stated.figures.noise_floor > 0)
     text += fmt::format("model error on {} left out {} {}, sensor noise alone would cause {} {} (last run)\n",
-                        counted.many, ShortNumber(outcome.figures.rms_holdout * unit.factor), unit.name,
-                        ShortNumber(outcome.figures.noise_floor * unit.factor), unit.name);
-  if (outcome.figures.strokes > 0)
-    if (const ModelHeadline headline = HeadlineOf(outcome.figures, ErrorFinding::kNoise);
+                        counted.many, ShortNumber(outcome.stated.figures.rms_holdout * unit.factor),
+                        unit.name, ShortNumber(outcome.stated.figures.noise_floor * unit.factor), unit.name);
+  if (outcome.stated.figures.strokes > 0)
+    if (const ModelHeadline headline = HeadlineOf(outcome.stated.figures, ErrorFinding::kNoise);
         headline.standing == ModelStanding::kNotJudged)
       text += headline.text + "\n";
   return text;
@@ -159,6 +168,7 @@ nlohmann::json LogJson(const LogReplay& r) {
           {"gated_rows", r.summary.gated},
           {"used_rows", r.summary.used},
           {"discarded_strokes", r.summary.discarded_strokes},
+          {"taught_nothing", JsonOrNull(r.taught_nothing)},
           {"flagged", r.summary.flagged},
           {"absent", r.summary.absent},
           {"findings", findings},
@@ -232,6 +242,11 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
   for (const SkippedItem& item : outcome.skipped)
     skipped.push_back({{"what", item.what}, {"rows", item.rows}, {"why", item.why}});
   const DisplayUnit unit = OutputUnit(outcome.machine);
+  const GramFit& figures = outcome.stated.figures;
+  const bool fitted = figures.strokes > 0 || figures.rms_holdout > 0 || figures.noise_floor > 0;
+  const auto error = [&](double si) { return fitted ? nlohmann::json(si * unit.factor) : nlohmann::json(); };
+  nlohmann::json parameters = ParametersJson(outcome.latest);
+  AddConfoundings(outcome.stated.confounded, parameters);
   return {{"machine", outcome.machine.name},
           {"database", options.database},
           {"report", JsonOrNull(outcome.report)},
@@ -239,10 +254,11 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"logs", logs},
           {"runs", outcome.runs.size()},
           {"strokes", outcome.strokes},
-          {"parameters", ParametersJson(outcome.latest)},
+          {"parameters", std::move(parameters)},
+          {"assumed_tolerances", AssumedJson(outcome.stated.assumed)},
           {"watch", WatchJson(outcome.watch)},
-          {"rms_holdout", outcome.figures.rms_holdout * unit.factor},
-          {"noise_floor", outcome.figures.noise_floor * unit.factor},
+          {"rms_holdout", error(figures.rms_holdout)},
+          {"noise_floor", error(figures.noise_floor)},
           {"unit", unit.name},
           {"skipped", skipped}};
 }

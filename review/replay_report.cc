@@ -4,16 +4,14 @@
 #include <cmath>
 #include <map>
 
-#include "core/quantile.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "pipeline/log_faults/stuck_signal.h"
 #include "workbench/explain/headline.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr std::int64_t kMostStrokesFitted = 400;
 
 const char* FlagWhy(const std::string& flag) {
   static const std::map<std::string, const char*> kWhy = {
@@ -104,57 +102,38 @@ std::vector<Estimate> LatestOf(const std::vector<TrendPoint>& trend) {
   return latest;
 }
 
-/// Of a machine that is followed from episode to episode, each was predicted with the parameters as they stood before it. Medians over
-/// the last run; no fit.
-Status TakeErrorsOfEpisodes(const Database& database, const RunInfo& run, ReplayOutcome& outcome) {
-  const auto episodes = TRY(database.Strokes(run.id));
-  std::vector<double> errors, floors;
-  for (const StrokeSummary& episode : episodes) {
-    errors.push_back(episode.rms_error);
-    floors.push_back(episode.noise_floor);
+/// Whether a stroke of the run updated a parameter.
+Result<bool> Taught(const Database& database, std::int64_t machine_id, const RunInfo& run) {
+  constexpr std::int64_t kAtATime = 1000;
+  const std::int64_t end = run.first_sequence + run.strokes;
+  for (std::int64_t first = run.first_sequence; first < end; first += kAtATime) {
+    const auto points = TRY(database.Trend(machine_id, "", first, std::min(end, first + kAtATime)));
+    if (std::ranges::any_of(points, [](const TrendPoint& point) {
+          return point.estimate.reason == EstimateReason::kUpdated;
+        }))
+      return true;
   }
-  outcome.figures.rms_holdout = Median(errors, 0);
-  outcome.figures.noise_floor = Median(floors, 0);
-  return {};
+  return false;
 }
 
-/// Error of the model on strokes left out, from the last run (of very many strokes, the last ones).
-Status FitLastRun(const Database& database, std::int64_t machine_id, const ModelStructure& model,
-                  ReplayOutcome& outcome) {
-  const auto run = std::find_if(outcome.runs.rbegin(), outcome.runs.rend(),
-                                [](const RunInfo& r) { return r.complete && r.strokes > 0; });
-  if (run == outcome.runs.rend()) return {};
-  if (InEpisodes(KindOf(outcome.machine))) return TakeErrorsOfEpisodes(database, *run, outcome);
-  const std::int64_t end = run->first_sequence + run->strokes;
-  const auto grams =
-      TRY(database.Grams(machine_id, std::max(run->first_sequence, end - kMostStrokesFitted), end));
-  const double period = ParseRunSummary(run->summary_json).sample_period;
-  if (!(period > 0) || grams.empty() || grams.front().flow.dimension() != model.column_count()) return {};
-  WindowSamples window = WindowSamples::From(outcome.machine.window, period);
-  window.level_form = model.level_form;
-  StrokeHistory history;
-  auto structure = TRY(BuildModel(outcome.machine));
-  history.machine = outcome.machine;
-  history.model = std::move(structure);
-  history.window = window;
-  history.units = std::move(grams);
-  const auto fitted = FitHistoryModel(outcome.machine, history);
-  if (!fitted) return {};  // too little excitation is told parameter by parameter
-  outcome.figures = fitted->figures;
-  return {};
-}
+/// Strokes that are expected to teach something, as many as `check` asks for; the first ones of a model with effects do not.
+constexpr std::int64_t kEnoughStrokes = 10;
 
-/// The recursive estimate takes strokes for independent. Where those of the last run hang together, its intervals are at
-/// least those of the fit to them.
-void WidenByLastRun(ReplayOutcome& outcome) {
-  if (outcome.figures.clusters.unit == ClusterUnit::kStroke) return;
-  for (Estimate& latest : outcome.latest)
-    for (const Estimate& fitted : outcome.figures.parameters)
-      if (fitted.parameter == latest.parameter && std::isfinite(fitted.std) && fitted.std > latest.std) {
-        latest.std = fitted.std;
-        if (fitted.reason == EstimateReason::kConfounded && latest.reason == EstimateReason::kUpdated)
-          latest.reason = fitted.reason;
-      }
+/// A log of a machine that stood still but for a few strokes teaches nothing, and nobody expects it where logs before it did.
+Status FindWhatTaughtNothing(const Database& database, std::int64_t machine_id, const ModelStructure& model,
+                             ReplayOutcome& outcome) {
+  for (LogReplay& log : outcome.logs) {
+    if (log.status == ReplayStatus::kFailed || log.run.strokes == 0) continue;
+    const std::int64_t seen =
+        log.run.strokes + log.summary.discarded_strokes;  // bad values cut strokes short
+    if (seen < kEnoughStrokes && !outcome.latest.empty()) continue;
+    if (TRY(Taught(database, machine_id, log.run))) continue;
+    const Told stuck = StuckSignal(log.summary, outcome.machine, model);
+    log.taught_nothing = fmt::format("none of {} told of a parameter{}{}",
+                                     CountedWordsOf(outcome.machine).Counted(log.run.strokes),
+                                     stuck.empty() ? "" : "; ", stuck.english);
+  }
+  return {};
 }
 
 }  // namespace
@@ -170,8 +149,9 @@ Status CollectOutcome(const Database& database, std::int64_t machine_id, const M
   outcome.skipped = Skipped(sums, outcome.machine, outcome.logs);
   const auto trend = TRY(database.Trend(machine_id, "", std::max<std::int64_t>(0, outcome.strokes - 1)));
   outcome.latest = LatestOf(trend);
-  TRY(FitLastRun(database, machine_id, model, outcome));
-  WidenByLastRun(outcome);
+  TRY(FindWhatTaughtNothing(database, machine_id, model, outcome));
+  outcome.stated =
+      TRY(StateEstimates(database, machine_id, outcome.machine, model, outcome.runs, outcome.latest));
   return {};
 }
 
@@ -198,9 +178,12 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   input.overlays = std::move(overlays);
   input.skipped = outcome.skipped;
   if (unread) input.skipped.push_back(*unread);
-  input.noise_floor = outcome.figures.noise_floor;
-  input.rms_holdout = outcome.figures.rms_holdout;
-  if (outcome.figures.strokes > 0) input.not_judged = ImpossibleFigures(outcome.figures).english;
+  const GramFit& figures = outcome.stated.figures;
+  input.noise_floor = figures.noise_floor;
+  input.rms_holdout = figures.rms_holdout;
+  if (figures.strokes > 0) input.not_judged = ImpossibleFigures(figures).english;
+  input.latest = outcome.latest;
+  input.confounded = outcome.stated.confounded;
   return input;
 }
 

@@ -78,7 +78,7 @@ const char* StatusName(ReplayStatus status) {
 bool ReplayOutcome::Complete() const {
   return std::ranges::all_of(logs, [](const LogReplay& r) {
     return r.status != ReplayStatus::kFailed && r.run.strokes > 0 && r.summary.rejected_rows == 0 &&
-           r.summary.stopped.empty();
+           r.summary.stopped.empty() && r.taught_nothing.empty();
   });
 }
 

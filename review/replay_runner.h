@@ -12,6 +12,7 @@
 #include "pipeline/run_summary.h"
 #include "report/report.h"
 #include "storage/database.h"
+#include "workbench/history/stated_estimates.h"
 
 namespace hydroscope {
 
@@ -40,6 +41,9 @@ struct LogReplay {
   RunInfo run;
   std::int64_t stored_before = 0;  ///< strokes an earlier replay had stored
   RunSummary summary;
+  /// Why none of its strokes told of a parameter, a sentence; "" if one did, or if they are too few to expect it while
+  /// others did.
+  std::string taught_nothing;
 };
 
 /// What watching for drift says after a replay (monitor/axis_monitor.h).
@@ -64,9 +68,9 @@ struct ReplayOutcome {
   std::vector<Estimate> latest;      ///< parameters after the last stroke of the database
   std::vector<SkippedItem> skipped;  ///< over all runs of the machine, and the logs left out now
   std::int64_t strokes = 0;          ///< in the database for this machine
-  GramFit figures = {};              ///< of a fit over the last run's strokes; all 0 = no fit
+  StatedEstimates stated = {};       ///< what `latest` is stated with
 
-  bool Complete() const;  ///< nothing was left out
+  bool Complete() const;  ///< nothing was left out, and no log taught nothing
   bool Failed() const;    ///< not one log could be replayed
 };
 

@@ -9,6 +9,7 @@
 #include "pipeline/episode_cutter.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/log_faults/broken_strokes.h"
+#include "pipeline/log_faults/stuck_signal.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/time_stamps.h"
@@ -46,7 +47,7 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   }
 }
 
-void TakeConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
+void TellConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
   for (CheckedParameter& p : check.parameters) {
     const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
     if (confounding == nullptr || p.estimate.reason != EstimateReason::kConfounded) continue;
@@ -83,14 +84,18 @@ void SendToExplain(CheckResult& check) {
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
   if (!fitted) {
     check.no_fit = fitted.error().text;
-    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
+    const bool stuck = !StuckSignal(check.pass.summary, check.machine, model).empty();
+    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving,
+                                            stuck ? Tell("mend what stands below, and record again",
+                                                         "beheben, was unten steht, und neu aufzeichnen")
+                                                  : Told());
     return;
   }
   check.figures = std::move(fitted->fit);
   check.trust = std::move(fitted->trust);
   check.suspicion = std::move(fitted->suspicion);
   check.parameters = JudgeParameters(check.figures.parameters, check.driving);
-  TakeConfoundings(fitted->confounded, check);
+  TellConfoundings(fitted->confounded, check);
   SendToExplain(check);
   DoubtSlowRows(check);
 }
@@ -205,9 +210,11 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.conditions = survey.conditions();
     check.gate = survey.gate();
     check.driving.too_short = pipeline->discarded_strokes();
-    if (check.pass.no_verdict.empty() && check.pass.swapped.empty())
-      TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
-    else
+    if (check.pass.no_verdict.empty() && check.pass.swapped.empty()) {
+      LogStrokes kept = strokes.Finish(*pipeline);
+      kept.stuck = StuckSignal(check.pass.summary, check.machine, pipeline->model());
+      TakeFit(FitStrokes(std::move(kept)), pipeline->model(), check);
+    } else
       check.parameters = ParametersWithoutFit(
           pipeline->model(), Tell("readings of a signal are wrong", "Werte eines Signals sind falsch"),
           check.driving,

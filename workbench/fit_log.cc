@@ -3,31 +3,26 @@
 namespace hydroscope {
 namespace {
 
-Result<FitResult> FitAndSuspect(LogStrokes strokes) {
-  auto explained = ExplainStrokes(strokes);
-  FitSuspicion suspicion = SuspicionOf(explained);
-  if (explained)
-    return FitResult{std::move(explained->log), std::move(explained->base), std::move(suspicion),
-                     explained->trust};
-  auto fit = TRY(FitFigures(strokes));
-  const LogTrust trust = JudgeLog(strokes, fit.theta, fit.noise_floor);
-  for (Told& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
-  suspicion.warnings.insert(suspicion.warnings.end(), strokes.swapped.begin(), strokes.swapped.end());
-  return FitResult{std::move(strokes), std::move(fit), std::move(suspicion), trust};
+/// Strokes too few or too much alike for `explain`.
+Result<FitResult> FitUnexplained(LogStrokes strokes, FitSuspicion suspicion) {
+  FitResult out{std::move(strokes), {}, std::move(suspicion)};
+  out.fit = TRY(FitFigures(out.log));
+  out.trust = JudgeLog(out.log, out.fit.theta, out.fit.noise_floor);
+  for (Told& warning : out.trust.Warnings()) out.suspicion.warnings.push_back(std::move(warning));
+  out.suspicion.warnings.insert(out.suspicion.warnings.end(), out.log.swapped.begin(), out.log.swapped.end());
+  out.confounded = ConfoundingsOf(out.log, out.log.machine.added_effects, out.fit.parameters);
+  MarkConfounded(out.confounded, out.fit.parameters);
+  return out;
 }
 
 }  // namespace
 
 Result<FitResult> FitStrokes(LogStrokes strokes) {
-  auto out = FitAndSuspect(std::move(strokes));
-  if (!out) return out;
-  std::vector<ConditionRange> ranges;
-  for (const StrokeRecord& stroke : out->log.strokes)
-    IncludeStroke(out->log.model->conditions, stroke.summary, ranges);
-  out->confounded =
-      ConfoundingsOf(out->log.machine, out->log.model, out->log.Grams(), out->log.window, ranges, out->fit);
-  MarkConfounded(out->confounded, out->fit);
-  return out;
+  auto explained = ExplainStrokes(strokes);
+  FitSuspicion suspicion = SuspicionOf(explained);
+  if (!explained) return FitUnexplained(std::move(strokes), std::move(suspicion));
+  return FitResult{std::move(explained->log), std::move(explained->base), std::move(suspicion),
+                   explained->trust, std::move(explained->confounded)};
 }
 
 Result<FitResult> FitLogs(const std::vector<std::string>& logs, const std::string& machine_file,

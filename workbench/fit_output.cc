@@ -96,24 +96,33 @@ nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
   return out;
 }
 
-nlohmann::json FitJson(const FitResult& result) {
-  const DisplayUnit unit = OutputUnit(result.log.machine);
-  nlohmann::json assumed = nlohmann::json::array();
-  for (const AssumedTolerance& tolerance : result.assumed)
-    assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
-  nlohmann::json parameters = ParametersJson(result.fit.parameters);
-  if (!result.trust.rate.fast_enough)
-    for (auto& parameter : parameters) {
-      parameter["identifiable"] = false;
-      parameter["reason"] = "sampled_too_slowly";
-    }
-  for (const Confounding& c : result.confounded) {
+void AddConfoundings(const std::vector<Confounding>& confounded, nlohmann::json& parameters) {
+  for (const Confounding& c : confounded) {
+    if (!parameters.contains(c.parameter)) continue;
     nlohmann::json& parameter = parameters[c.parameter];
     parameter["confounded_with"] = c.effects;
     parameter["confounded_bias"] = c.bias;
     parameter["why"] = c.reason.english;
     parameter["advice"] = c.advice.english;
   }
+}
+
+nlohmann::json AssumedJson(const std::vector<AssumedTolerance>& assumed) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const AssumedTolerance& tolerance : assumed)
+    out.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
+  return out;
+}
+
+nlohmann::json FitJson(const FitResult& result) {
+  const DisplayUnit unit = OutputUnit(result.log.machine);
+  nlohmann::json parameters = ParametersJson(result.fit.parameters);
+  if (!result.trust.rate.fast_enough)
+    for (auto& parameter : parameters) {
+      parameter["identifiable"] = false;
+      parameter["reason"] = "sampled_too_slowly";
+    }
+  AddConfoundings(result.confounded, parameters);
   nlohmann::json out = {
       {"parameters", parameters},
       {"strokes", result.fit.strokes},
@@ -124,7 +133,7 @@ nlohmann::json FitJson(const FitResult& result) {
       {"unit", unit.name},
       {"model_version", result.log.machine.model_version},
       {"effects", result.log.machine.added_effects},
-      {"assumed_tolerances", assumed},
+      {"assumed_tolerances", AssumedJson(result.assumed)},
       {"held_out", result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json()},
       {"notes", result.log.notes},
       {"warnings", Warnings(result)}};

@@ -13,5 +13,9 @@ std::string FitText(const FitResult& result);
 nlohmann::json FitJson(const FitResult& result);
 /// Parameters as the JSON object shared by `fit` and `explain`.
 nlohmann::json ParametersJson(const std::vector<Estimate>& parameters);
+/// Into that: `confounded_with`, `confounded_bias`, `why` and `advice` of those that are.
+void AddConfoundings(const std::vector<Confounding>& confounded, nlohmann::json& parameters);
+/// `assumed_tolerances`.
+nlohmann::json AssumedJson(const std::vector<AssumedTolerance>& assumed);
 
 }  // namespace hydroscope

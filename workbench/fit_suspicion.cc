@@ -66,8 +66,8 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
   const Explanation& x = explained.explanation;
   FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false, x.no_verdict.empty()};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
-  for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddText(explained, odd));
   if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));
+  for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddText(explained, odd));
   return out;
 }
 

@@ -53,6 +53,18 @@ TEST(FitSuspicion, SignalsThatAreLateAreSaid) {
   EXPECT_TRUE(SuspicionFor(options).suspected);
 }
 
+// "This is so in strokes 1, 5 alone" needs to know what.
+TEST(FitSuspicion, WhatIsMissingIsSaidBeforeWhereItIs) {
+  PressOptions options;
+  options.seconds = 90;
+  options.imperfections = {{"intermittent_leakage", 8e-12, {{"share", 0.2}}, ""}};
+  const FitSuspicion suspicion = SuspicionFor(options);
+  ASSERT_GE(suspicion.warnings.size(), 2u);
+  EXPECT_NE(suspicion.warnings[suspicion.warnings.size() - 2].english.find("the model misses"),
+            std::string::npos);
+  EXPECT_NE(suspicion.warnings.back().english.find("this is so in strokes"), std::string::npos);
+}
+
 TEST(FitSuspicion, TooFewStrokesAreNotJudged) {
   PressOptions options = Press();
   options.seconds = 8;

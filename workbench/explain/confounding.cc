@@ -38,23 +38,24 @@ Told ReasonFor(const MachineKind& kind, const Confounding& c, const Effect& effe
 
 }  // namespace
 
-std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+std::vector<Confounding> ConfoundingsOf(const std::vector<std::string>& added,
+                                        std::shared_ptr<const ModelStructure> model,
                                         std::span<const StrokeGram> grams, const WindowSamples& window,
-                                        std::span<const ConditionRange> ranges, const GramFit& figures) {
+                                        std::span<const ConditionRange> ranges,
+                                        std::span<const Estimate> parameters) {
   std::vector<Confounding> out;
-  if (grams.size() < kFewestStrokes) return out;
+  if (grams.size() < kFewestStrokes || model->effects.empty()) return out;
   const StrokeSet strokes(model, EvenlySpread(grams), window);
   std::vector<EffectChoice> choices;
   for (int e = 0; e < static_cast<int>(model->effects.size()); ++e) {
-    const auto& added = machine.added_effects;
     if (!Contains(added, model->effects[e]->id)) continue;
     const EffectChoice best = strokes.BestShape(e, choices);
     if (best.shape >= 0) choices.push_back(best);
   }
   const ExtendedFit fit = strokes.Fit(choices);
   if (!fit.solved) return out;
-  for (const HiddenBias& bias : ConfoundedBiases(strokes, fit, figures.parameters)) {
-    const Estimate& parameter = figures.parameters[bias.parameter];
+  for (const HiddenBias& bias : ConfoundedBiases(strokes, fit, parameters)) {
+    const Estimate& parameter = parameters[bias.parameter];
     const std::string& id = model->effects[bias.effect]->id;
     if (out.empty() || out.back().parameter != parameter.parameter)
       out.push_back({parameter.parameter, id, {}, bias.bias, {}, {}});
@@ -62,9 +63,9 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
   }
   for (Confounding& c : out) {
     const auto is = [&](const Estimate& e) { return e.parameter == c.parameter; };
-    const Estimate& parameter = *std::ranges::find_if(figures.parameters, is);
+    const Estimate& parameter = *std::ranges::find_if(parameters, is);
     for (const auto& effect : model->effects)
-      if (effect->id == c.effect) c.reason = ReasonFor(KindOf(machine), c, *effect, parameter);
+      if (effect->id == c.effect) c.reason = ReasonFor(*model->kind, c, *effect, parameter);
     c.advice = Tell("record strokes that differ more in {}, with holds between them",
                     "Hübe aufzeichnen, die sich darin mehr unterscheiden: {}, mit Halten dazwischen",
                     model->words.vary);
@@ -75,10 +76,21 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
   return out;
 }
 
-void MarkConfounded(const std::vector<Confounding>& confounded, GramFit& figures) {
-  for (Estimate& e : figures.parameters)
+void MarkConfounded(const std::vector<Confounding>& confounded, std::span<Estimate> parameters) {
+  for (Estimate& e : parameters)
     if (e.reason == EstimateReason::kUpdated && FindConfounding(confounded, e.parameter) != nullptr)
       e.reason = EstimateReason::kConfounded;
+}
+
+std::string ConfoundedNames(const std::vector<Confounding>& confounded) {
+  if (confounded.empty()) return "";
+  std::vector<std::string> names, effects;
+  for (const Confounding& c : confounded) {
+    names.push_back(c.parameter);
+    for (const std::string& id : c.effects)
+      if (!Contains(effects, id)) effects.push_back(id);
+  }
+  return fmt::format("{}: confounded with {}", fmt::join(names, ", "), fmt::join(effects, ", "));
 }
 
 const Confounding* FindConfounding(const std::vector<Confounding>& confounded, const std::string& parameter) {

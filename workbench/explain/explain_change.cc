@@ -100,10 +100,11 @@ Result<ExplainResult> ExplainNewest(const StrokeHistory& before, StrokeHistory& 
 
 std::vector<ValueChange> ParameterChanges(const StrokeHistory& before, const StrokeHistory& after,
                                           const ChangeResult& result) {
-  const auto then =
-      BaseParameters(*before.model, result.before.explanation.final, static_cast<int>(before.units.size()));
-  const auto now =
-      BaseParameters(*after.model, result.after.explanation.final, static_cast<int>(after.units.size()));
+  const auto of = [](const StrokeHistory& history, const ExplainResult& side) {
+    return BaseParameters(*history.model, side.explanation.final, static_cast<int>(history.units.size()),
+                          Tolerances::kLeftOut);
+  };
+  const std::vector<Estimate> then = of(before, result.before), now = of(after, result.after);
   std::vector<ValueChange> out;
   for (std::size_t i = 0; i < std::min(then.size(), now.size()); ++i) {
     out.push_back(
@@ -244,6 +245,7 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   RefuseWhereEpisodesErrMore(result.before, result.after);
   for (double* floor : {&result.after.base.noise_floor, &later.base.noise_floor, &later.final.noise_floor})
     *floor = newest.NoiseFloor(*floor);
+  TakeConfoundings(newest.units, result.after);
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);
   const EffectComparison comparison(before, newest, result, own);

@@ -126,6 +126,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.strokes = static_cast<std::size_t>(history.strokes());
   out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
   out.error_alone = ErrorOfEachAlone(history, out.explanation.base.noise_floor);
+  MarkCarriedByError(strokes_under(out.explanation.model), out.explanation.base, out.base);
   RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
   RefuseImpossibleParameters(KindOf(history.machine), history.units.size(), out.explanation);
@@ -230,8 +231,10 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
   auto out = ExplainUnits(history, own);
-  if (!out || !out->explanation.no_verdict.empty()) return out;
+  if (!out) return out;
+  TakeConfoundings(history.units, *out);
   Explanation& x = out->explanation;
+  if (!x.no_verdict.empty()) return out;
   DoubtForUnmeasured(history.machine, x);
   DoubtForTwinNotStored(x);
   DoubtForUntriedLaws(x);

@@ -102,11 +102,12 @@ nlohmann::json TextsJson(const std::map<std::string, Told>& texts, std::string T
 
 nlohmann::json FinalJson(const ExplainResult& result) {
   const ExtendedFit& fit = result.explanation.final;
+  nlohmann::json parameters = ParametersJson(result.ExtendedParameters());
+  AddConfoundings(result.extended_confounded, parameters);
   const std::map<std::string, Told> drifts = DriftsOf(result, fit);
   return {{"rms_holdout", fit.rms_holdout * Factor(result)},
           {"excess_ratio", fit.excess_ratio},
-          {"parameters",
-           ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
+          {"parameters", std::move(parameters)},
           {"effects", FoundEffectsJson(result, fit)},
           {"drifts", TextsJson(drifts, &Told::english)},
           {"german", {{"drifts", TextsJson(drifts, &Told::german)}}}};
@@ -240,6 +241,8 @@ nlohmann::json PredictableJson(const Predictability& left) {
 nlohmann::json ExplainJson(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const std::optional<Told> experiment = WhatToRecord(result);
+  nlohmann::json parameters = ParametersJson(result.base.parameters);
+  AddConfoundings(result.confounded, parameters);
   return {
       {"schema", kExplainSchema},
       {"verdict", VerdictName(x.verdict)},
@@ -266,7 +269,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
        {{"rms_holdout", result.base.rms_holdout * Factor(result)},
         {"noise_floor", result.base.noise_floor * Factor(result)},
         {"excess_ratio", x.base.excess_ratio},
-        {"parameters", ParametersJson(result.base.parameters)},
+        {"parameters", std::move(parameters)},
         {"effects", FoundEffectsJson(result, x.base)}}},
       {"ranking", RankingJson(result)},
       {"nearest", NearestEffects(x)},

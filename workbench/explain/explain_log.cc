@@ -291,6 +291,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   out.trust = std::move(judged.trust);
   if (!out.explanation.base.solved) return BadInput(WhyNotSolved(*model, out.log));
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
+  TakeConfoundings(out.log.Grams(), out);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
                                       ColumnWeights(*out.explanation.model, fit));
@@ -308,6 +309,45 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         ProposeSignalExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
   else
     out.experiment = ProposeExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
+  return out;
+}
+
+namespace {
+
+std::vector<ConditionRange> RangesOfLog(const LogStrokes& log) {
+  std::vector<ConditionRange> ranges;
+  for (const StrokeRecord& stroke : log.strokes) IncludeStroke(log.model->conditions, stroke.summary, ranges);
+  return ranges;
+}
+
+}  // namespace
+
+std::vector<Confounding> ConfoundingsOf(const LogStrokes& log, const std::vector<std::string>& added,
+                                        std::span<const Estimate> parameters) {
+  return ConfoundingsOf(added, log.model, log.Grams(), log.window, RangesOfLog(log), parameters);
+}
+
+void TakeConfoundings(std::span<const StrokeGram> grams, ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const std::vector<ConditionRange> ranges = RangesOfLog(result.log);
+  const auto of = [&](const ExtendedFit& fit, std::span<const Estimate> parameters) {
+    std::vector<std::string> added;
+    for (const EffectEstimate& e : fit.effects) added.push_back(result.effect(e.choice.effect).id);
+    return ConfoundingsOf(added, result.log.model, grams, result.log.window, ranges, parameters);
+  };
+  result.confounded = of(x.base, result.base.parameters);
+  MarkConfounded(result.confounded, result.base.parameters);
+  result.extended_confounded = x.final.effects.size() == x.base.effects.size()
+                                   ? result.confounded
+                                   : of(x.final, result.ExtendedParameters());
+}
+
+std::vector<Estimate> ExplainResult::ExtendedParameters() const {
+  std::vector<Estimate> out = BaseParameters(*log.model, explanation.final, static_cast<int>(strokes));
+  MarkConfounded(extended_confounded, out);
+  const bool as_it_is = explanation.final.effects.size() == explanation.base.effects.size();
+  for (std::size_t i = 0; as_it_is && i < out.size(); ++i)
+    if (out[i].reason == EstimateReason::kUpdated) out[i].reason = base.parameters[i].reason;
   return out;
 }
 

@@ -13,6 +13,7 @@
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/remainder_shape.h"
 #include "pipeline/log_trust.h"
+#include "workbench/explain/confounding.h"
 #include "workbench/model/machine_model.h"
 
 namespace hydroscope {
@@ -45,6 +46,8 @@ struct ExplainResult {
   /// Whether that is white noise: what is more than noise is then what moves from one to the next.
   bool EachAlone() const { return error_alone * error_alone <= 1 + kFloorExcess; }
   Explanation explanation;
+  std::vector<Confounding> confounded;           ///< of `base`, whose parameters are marked ...
+  std::vector<Confounding> extended_confounded;  ///< ... and of Explanation::final
   std::vector<UnmeasuredEffect> unmeasured;
   ErrorLocation location;                   ///< of the error of the model as it is
   std::vector<ResidualSignal> signals;      ///< that the maps of `location` name
@@ -52,6 +55,8 @@ struct ExplainResult {
   Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
   SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
 
+  /// Base parameters of Explanation::final, those marked that effects could move which these strokes do not show.
+  std::vector<Estimate> ExtendedParameters() const;
   const Effect& effect(int index) const { return *explanation.model->effects[index]; }
   /// nullptr if the library has no effect of this name.
   const Effect* FindEffect(const std::string& id) const;
@@ -60,6 +65,12 @@ struct ExplainResult {
     return explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
   }
 };
+
+/// Of the model with the effects `added`, on all strokes of a log.
+std::vector<Confounding> ConfoundingsOf(const LogStrokes& log, const std::vector<std::string>& added,
+                                        std::span<const Estimate> parameters);
+/// ExplainResult::confounded and what goes with it; `grams` are those of the strokes explained.
+void TakeConfoundings(std::span<const StrokeGram> grams, ExplainResult& result);
 
 /// What `explain` and `compare` alike find on kept strokes.
 struct JudgedModel {

@@ -234,8 +234,7 @@ std::string StepsText(const ExplainResult& result) {
 std::string ParametersText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const bool extended = !x.final.effects.empty();
-  const std::vector<Estimate> after =
-      BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
+  const std::vector<Estimate> after = result.ExtendedParameters();
   std::string text =
       fmt::format("\nParameters, ± 95 % interval\n  {:<6} {:>22}", "", extended ? "model as it is" : "");
   text += extended ? fmt::format(" {:>22}\n", "extended") : "\n";
@@ -252,10 +251,24 @@ std::string ParametersText(const ExplainResult& result) {
         extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
     if (moved && before.unit != "1" && std::abs(*moved) >= kMovedShown)
       text += fmt::format("  {:+.0f} %", 100 * *moved);
+    const bool below = FindConfounding(result.confounded, before.parameter) != nullptr;
     if (!extended && before.reason != EstimateReason::kUpdated)
-      text += fmt::format("  {}", ReasonText(before.reason));
+      text += fmt::format("  {}", below ? "NOT IDENTIFIABLE" : ReasonText(before.reason));
     text += "\n";
   }
+  return text;
+}
+
+/// Parameters of the model that effects could move which these strokes do not show.
+std::string ConfoundedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const bool extended = x.final.effects.size() > x.base.effects.size();
+  std::string text;
+  if (extended && !result.confounded.empty())
+    text += fmt::format("  NOT IDENTIFIABLE, model as it is: {}\n", ConfoundedNames(result.confounded));
+  for (const Confounding& c : result.extended_confounded)
+    text += fmt::format("  NOT IDENTIFIABLE{}: {}: {}; {}\n", extended ? ", extended" : "", c.parameter,
+                        c.reason.english, c.advice.english);
   return text;
 }
 
@@ -368,10 +381,15 @@ std::string NextText(const ExplainResult& result) {
   if (!x.odd_strokes.empty())
     return text +
            "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
-  if (x.verdict == Verdict::kNamed)
+  if (x.swap && x.verdict == Verdict::kNamed)
+    text += "  Then explain again: what is named above is named beside the effect that goes.\n";
+  else if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
-  if (x.verdict == Verdict::kAdequate && !experiment)
+  if (x.verdict == Verdict::kAdequate && !experiment && !result.confounded.empty())
+    text += fmt::format("  To identify what is {}: {}.\n", ConfoundedNames(result.confounded),
+                        result.confounded.front().advice.english);
+  else if (x.verdict == Verdict::kAdequate && !experiment)
     text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
   if (x.verdict == Verdict::kUnknown && KindOf(result.log.machine).has_states)
     return text +
@@ -414,8 +432,9 @@ std::string ExplainText(const ExplainResult& result) {
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
   return text + ProposedText(result) + StepsText(result) + ParametersText(result) + AddedText(result) +
-         IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) + RankingText(result) +
-         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
+         ConfoundedText(result) + IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) +
+         RankingText(result) + RuledOutText(x) + UntestableText(result) +
+         LocatedText(result.location.located, unit) +
          (result.remainder ? RemainderText(*result.remainder, unit.factor, unit.name) : "") +
          NextText(result);
 }

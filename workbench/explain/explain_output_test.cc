@@ -132,6 +132,7 @@ TEST(ExplainOutput, AnEffectThatWasAddedWronglyIsReplaced) {
   EXPECT_EQ(result.explanation.swap->out, "external_leakage");
   EXPECT_THAT(result.explanation.swap->in, Contains("relief_valve"));
   EXPECT_THAT(ExplainText(result), HasSubstr("Replace external_leakage by relief_valve: error"));
+  EXPECT_THAT(ExplainText(result), testing::Not(HasSubstr("Make it part of the model")));
   EXPECT_EQ(ExplainJson(result)["swap"]["out"], "external_leakage");
 }
 

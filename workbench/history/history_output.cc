@@ -33,6 +33,11 @@ nlohmann::json MachinesJson(const StrokeHistory& history) {
 nlohmann::json SideJson(const StrokeHistory& history, const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const double factor = OutputUnit(result.log.machine).factor;
+  std::vector<Estimate> estimates =
+      BaseParameters(*result.log.model, x.final, static_cast<int>(history.units.size()));
+  MarkConfounded(result.extended_confounded, estimates);
+  nlohmann::json parameters = ParametersJson(estimates);
+  AddConfoundings(result.extended_confounded, parameters);
   nlohmann::json effects = nlohmann::json::object();
   for (const EffectEstimate& e : x.final.effects) {
     const Effect& effect = result.effect(e.choice.effect);
@@ -43,8 +48,7 @@ nlohmann::json SideJson(const StrokeHistory& history, const ExplainResult& resul
           {"rms_holdout", x.final.rms_holdout * factor},
           {"noise_floor", x.final.noise_floor * factor},
           {"excess_ratio", x.final.excess_ratio},
-          {"parameters", ParametersJson(BaseParameters(*result.log.model, x.final,
-                                                       static_cast<int>(history.units.size())))},
+          {"parameters", std::move(parameters)},
           {"effects", effects}};
 }
 
@@ -184,7 +188,15 @@ std::string ChangeText(const ChangeResult& result) {
     text +=
         fmt::format("  after, with what appeared                 {:>8}\n", shown(after.final.rms_holdout));
   const MachineKind& kind = KindOf(result.after.log.machine);
-  text += ValuesText(kind, "Parameters before and after, ± 95 %; * moved", result.parameters);
+  const bool tolerances = std::ranges::any_of(result.after.log.machine.geometry,
+                                              [](const auto& known) { return known.second.std > 0; });
+  text += ValuesText(kind,
+                     fmt::format("Parameters before and after, ± 95 %{}; * moved",
+                                 tolerances ? " without the tolerances of the geometry" : ""),
+                     result.parameters);
+  for (const auto& [when, side] : {std::pair("before", &result.before), {"after", &result.after}})
+    if (const std::string names = ConfoundedNames(side->extended_confounded); !names.empty())
+      text += fmt::format("NOT IDENTIFIABLE {}: {}\n", when, names);
   text += ValuesText(kind, "Effects that were there before", result.effects);
   for (std::size_t k = static_cast<std::size_t>(after.started); k < after.final.effects.size(); ++k) {
     const EffectEstimate& e = after.final.effects[k];

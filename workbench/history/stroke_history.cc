@@ -15,6 +15,7 @@
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "pipeline/geometry_tolerance.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/run_summary.h"
 #include "replay/resampled_reader.h"
@@ -289,8 +290,9 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   StrokeHistory history;
   history.database = path;
   history.machine = machine;
+  AssumeTolerances(history.machine);
   history.parts = parts;
-  history.model = TRY(BuildModel(machine));
+  history.model = TRY(BuildModel(history.machine));
   // What was added to equations of states is among the parameters of the model, no column beside them.
   if (KindOf(machine).has_states) history.machine.added_effects.clear();
   if (history.strokes() == 0)

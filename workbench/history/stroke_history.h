@@ -26,7 +26,8 @@ struct HistoryPart {
 /// consecutive ones are the independent units of every fit, read from the stored sums.
 struct StrokeHistory {
   std::string database;
-  Machine machine;  ///< with the model in force
+  Machine
+      machine;  ///< with the model in force, and tolerances of its geometry (pipeline/geometry_tolerance.h)
   std::shared_ptr<const ModelStructure> model;
   WindowSamples window;
   std::vector<HistoryPart> parts;

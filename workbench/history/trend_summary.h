@@ -7,6 +7,7 @@
 
 #include "models/machine_kind.h"
 #include "storage/database.h"
+#include "workbench/explain/confounding.h"
 #include "workbench/history/block_estimates.h"
 #include "workbench/history/trend_analysis.h"
 
@@ -30,16 +31,17 @@ struct TrendChange {
 
 /// What the table says about one parameter.
 struct TrendSummary {
-  std::string parameter, unit;        ///< SI unit
-  const MachineKind* kind = nullptr;  ///< of its machine, which says in what unit people read it
-  Estimate latest;                    ///< of the last stroke
-  std::int64_t latest_sequence = 0;   ///< its number
-  std::int64_t strokes = 0;           ///< strokes looked at
-  std::int64_t updated = 0;           ///< of these, strokes that told something about the parameter
-  std::optional<std::int64_t> since;  ///< strokes since the last such; nullopt if there was none
-  std::optional<TrendChange> change;  ///< nullopt with too few strokes to tell
-  std::vector<double> values;         ///< SI, one per stroke, NaN where nothing is known
-  std::vector<double> stds;           ///< SI
+  std::string parameter, unit;            ///< SI unit
+  const MachineKind* kind = nullptr;      ///< of its machine, which says in what unit people read it
+  Estimate latest;                        ///< of the last stroke
+  std::optional<Confounding> confounded;  ///< nothing: no effect could move it unseen, or nobody asked
+  std::int64_t latest_sequence = 0;       ///< its number
+  std::int64_t strokes = 0;               ///< strokes looked at
+  std::int64_t updated = 0;               ///< of these, strokes that told something about the parameter
+  std::optional<std::int64_t> since;      ///< strokes since the last such; nullopt if there was none
+  std::optional<TrendChange> change;      ///< nullopt with too few strokes to tell
+  std::vector<double> values;             ///< SI, one per stroke, NaN where nothing is known
+  std::vector<double> stds;               ///< SI
 };
 
 /// Takes the points of a machine one by one and sums them up without keeping them.

@@ -4,13 +4,16 @@
 
 #include "core/non_negative.h"
 #include "core/told_error.h"
+#include "diagnosis/hidden_bias.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/refine.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/remainder/tone_search.h"
 #include "diagnosis/sample_grams.h"
+#include "estimation/error_trust.h"
 #include "models/effect.h"
 #include "models/find_effect.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -58,7 +61,8 @@ std::vector<Estimate> SizesOf(const ModelStructure& model, const ExtendedFit& fi
 
 }  // namespace
 
-std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes,
+                                     Tolerances tolerances) {
   std::vector<Estimate> out;
   const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(model.base_count, model.base_count);
   const double student = StudentFactor(strokes - 1.0);
@@ -68,11 +72,32 @@ std::vector<Estimate> BaseParameters(const ModelStructure& model, const Extended
     estimate.unit = derived.unit;
     estimate.value = derived.value;
     const double variance = derived.gradient.dot(covariance * derived.gradient);
-    estimate.std = std::hypot(student * std::sqrt(NonNegative(variance)), derived.geometry_std);
+    const double geometry = tolerances == Tolerances::kHeld ? derived.geometry_std : 0.0;
+    estimate.std = std::hypot(student * std::sqrt(NonNegative(variance)), geometry);
     estimate.reason = TrustOf(derived, estimate.std);
     out.push_back(std::move(estimate));
   }
   return out;
+}
+
+void MarkCarriedByError(const StrokeSet& strokes, const ExtendedFit& fit, GramFit& figures) {
+  const ModelStructure& model = strokes.model();
+  if (InEpisodes(*model.kind)) return;  // judged by their runs
+  const Eigen::MatrixXd directions = ModelDirections(strokes, fit);
+  const Eigen::MatrixXd integral = directions.transpose() * strokes.Total() * directions;
+  NormalEquations flow{directions.transpose() * strokes.TotalFlow() * directions, {}, 0, 0};
+  if (!(fit.rms_modelled > 0)) return;
+  flow.equations = fit.theta.dot(flow.h * fit.theta) / (fit.rms_modelled * fit.rms_modelled);
+  const auto carried = CarriedByError(integral, flow, fit.theta, fit.rms_holdout, fit.noise_floor);
+  const Eigen::VectorXd excitation = Excitation(integral);
+  const Eigen::VectorXd base = fit.theta.head(model.base_count);
+  const std::vector<int> own = OwnParameters(model.derive(base), base);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    Estimate& e = figures.parameters[i];
+    if (!carried[static_cast<std::size_t>(own[i])] || e.reason != EstimateReason::kUpdated) continue;
+    e.reason = EstimateReason::kConfounded;
+    e.excitation = excitation[own[i]];
+  }
 }
 
 GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
@@ -93,13 +118,14 @@ GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strok
 }
 
 Told WhyNotSolved(const ModelStructure& model, const LogStrokes& log) {
-  return log.swapped.empty() ? WhyNotSolved(model, UsedGrams(log), log.window) : log.swapped.front();
+  if (!log.swapped.empty()) return log.swapped.front();
+  return log.stuck.empty() ? WhyNotSolved(model, UsedGrams(log), log.window) : log.stuck;
 }
 
 Result<GramFit> FitFigures(const LogStrokes& log) {
   if (log.machine.added_effects.empty()) {
     auto fit = FitBaseModel(*log.model, UsedGrams(log), log.window);
-    if (!fit && !log.swapped.empty()) return BadInput(log.swapped.front());
+    if (!fit && !log.strokes.empty()) return BadInput(WhyNotSolved(*log.model, log));
     return fit;
   }
   auto model = TRY(FitMachineModel(log));
@@ -141,6 +167,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
   strokes.Widen(choices, out.fit);
   if (!choices.empty()) {
     out.figures = FiguresOf(*structure, out.fit, static_cast<int>(log.stretches.size()));
+    MarkCarriedByError(strokes, out.fit, out.figures);
     return out;
   }
   out.figures = TRY(FitFigures(log));

@@ -35,7 +35,16 @@ Result<GramFit> FitFigures(const LogStrokes& log);
 /// MachineModel::figures from the fit of a model with added effects to `strokes` independent units.
 GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strokes);
 
+/// Takes the trust from base parameters that a structured error of the size left could be taken for
+/// (estimation/error_trust.h); their excitation says why.
+void MarkCarriedByError(const StrokeSet& strokes, const ExtendedFit& fit, GramFit& figures);
+
+/// Whether intervals hold the tolerances of the geometry. What all strokes of a machine share is no change: two fits of
+/// it are compared without.
+enum class Tolerances { kHeld, kLeftOut };
+
 /// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.
-std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes);
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes,
+                                     Tolerances tolerances = Tolerances::kHeld);
 
 }  // namespace hydroscope

@@ -144,7 +144,9 @@ void TellError(const Machine& before, const Machine& next, const Evidence& evide
   const bool adds = next.added_effects.size() > before.added_effects.size();
   changed.error = LastStepJson(next);
   changed.warnings = evidence.warnings;
-  if (adds) std::ranges::move(AddingWarnings(next, effect), std::back_inserter(changed.warnings));
+  if (adds && evidence.before && evidence.next)
+    std::ranges::move(AddingWarnings(next, effect, *evidence.before, *evidence.next),
+                      std::back_inserter(changed.warnings));
   TellHeldOut(next, evidence, effect, adds, changed);
   for (const std::string& warning : InEnglish(changed.warnings))
     changed.text += fmt::format("WARNING: {}.\n", warning);

@@ -131,6 +131,27 @@ TEST_F(ModelEdit, AddingWhatDoesNotLowerTheErrorIsWarnedOf) {
   EXPECT_THAT(warnings(1e-5), testing::IsEmpty());
 }
 
+TEST_F(ModelEdit, AddingWhatPhysicsForbidsOrChanceAloneGivesIsWarnedOf) {
+  const Machine before = *LoadMachine(path_);
+  const auto warnings = [&](double gain, const std::vector<std::string>& outside) {
+    Machine next = *WithEffect(before, "relief_valve", 2);
+    ModelEvidence was = Judged(before, 2e-5), is = Judged(next, 1.99e-5);
+    for (const char* name : {"relief_valve.G", "V0"})
+      is.record.parameters.push_back({name, -2e-11, 3e-12, "m3/(s Pa)"});
+    is.outside_physics = outside;
+    was.excess = Eigen::VectorXd::LinSpaced(20, 1.0, 2.0);
+    is.excess = was.excess;
+    for (int s = 0; s < 20; ++s) is.excess[s] -= gain + (s % 2 == 0 ? 0.01 : -0.01);
+    AddRecords(before, was, is, "", next);
+    return InEnglish(AddingWarnings(next, "relief_valve", was, is));
+  };
+  EXPECT_THAT(warnings(0.1, {}), testing::IsEmpty());
+  EXPECT_THAT(warnings(0.001, {}), ElementsAre(HasSubstr("by no more than chance does")));
+  EXPECT_THAT(warnings(0.1, {"relief_valve.G"}),
+              ElementsAre(HasSubstr("the size of relief_valve comes out as")));
+  EXPECT_THAT(warnings(0.1, {"V0"}), ElementsAre(HasSubstr("V0 comes out as")));
+}
+
 TEST(HeldOutLog, ALogIsHeldOutByPathOrFileName) {
   const std::vector<std::string> logs = {"runs/1bar.csv", "runs/3bar.csv"};
   const auto by_name = ChooseLogs(logs, "3bar.csv");

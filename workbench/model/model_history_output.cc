@@ -11,8 +11,11 @@
 #include "core/constants.h"
 #include "core/contains.h"
 #include "core/interval_text.h"
+#include "core/non_negative.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
+#include "estimation/gram_fit.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "workbench/model/model_record.h"
@@ -143,7 +146,28 @@ std::string LastStepText(const Machine& machine) {
                      Parameters(KindOf(machine), {&before, &after}));
 }
 
-std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect) {
+namespace {
+
+/// Whether the error energy on strokes left out falls by less than its scatter between them explains (95 %).
+bool WithinChance(const Eigen::VectorXd& before, const Eigen::VectorXd& next) {
+  if (before.size() != next.size()) return false;
+  double n = 0, sum = 0, squares = 0;
+  for (Eigen::Index s = 0; s < before.size(); ++s) {
+    const double gain = before[s] - next[s];
+    if (!std::isfinite(gain)) continue;
+    n += 1;
+    sum += gain;
+    squares += gain * gain;
+  }
+  if (n < 2) return false;
+  const double variance = NonNegative(squares - sum * sum / n) / (n - 1);
+  return sum <= kNormal95 * StudentFactor(n - 1) * std::sqrt(n * variance);
+}
+
+}  // namespace
+
+std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect,
+                                 const ModelEvidence& judged_before, const ModelEvidence& judged_next) {
   const auto step = LastStep(machine);
   if (!step) return {};
   const ModelRecord &before = *step->first, &after = *step->second;
@@ -155,8 +179,25 @@ std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effe
         "{0} macht das Modell nicht besser: der Fehler auf ausgelassenen Hüben ist {1:.3g} {2} damit und {3:.3g} {4} ohne",
         effect, ShownError(machine, after, after.rms_holdout), ErrorUnit(machine, after),
         ShownError(machine, before, before.rms_holdout), ErrorUnit(machine, before), effect));
+  else if (WithinChance(judged_before.excess, judged_next.excess))
+    warnings.push_back(Tell(
+        "{} lowers the error on strokes left out by no more than chance does: {:.3g} {} with it and {:.3g} {} without. Take it "
+        "out again with 'hydroscope model undo' or 'model remove {}'",
+        "{0} senkt den Fehler auf ausgelassenen Hüben nicht mehr, als der Zufall es tut: {1:.3g} {2} damit und {3:.3g} {4} ohne",
+        effect, ShownError(machine, after, after.rms_holdout), ErrorUnit(machine, after),
+        ShownError(machine, before, before.rms_holdout), ErrorUnit(machine, before), effect));
   const auto is_its_own = [&](const RecordedValue& value) { return value.name.starts_with(effect + "."); };
   const bool one_size = std::ranges::count_if(after.parameters, is_its_own) == 1;
+  for (const RecordedValue& value : after.parameters)
+    if (Contains(judged_next.outside_physics, value.name))
+      warnings.push_back(Tell(
+          "{} comes out as {}, which physics forbids: the model misses another effect, or a signal is wrong",
+          "{} kommt als {} heraus, was die Physik verbietet: dem Modell fehlt ein anderer Effekt, oder ein "
+          "Signal ist falsch",
+          is_its_own(value) && one_size ? Tell("the size of {}", "die Größe von {}", effect)
+                                        : Told(value.name),
+          TellNumber(
+              ParameterWithInterval(KindOf(machine), value.name, value.value, value.std, value.unit))));
   for (const RecordedValue& value : after.parameters)
     if (is_its_own(value) && std::abs(value.value) <= kNormal95 * value.std)
       warnings.push_back(

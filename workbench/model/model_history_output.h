@@ -6,6 +6,7 @@
 
 #include "models/machine.h"
 #include "storage/database.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 
@@ -19,9 +20,10 @@ nlohmann::json ModelHistoryJson(const Machine& machine);
 std::string LastStepText(const Machine& machine);
 
 /// What speaks against adding `effect` by the last two versions of the history, a sentence each: the error
-/// on strokes left out does not fall, or its size cannot be told from zero. [] if nothing does or they were
-/// not judged.
-std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect);
+/// on strokes left out does not fall, or by no more than chance, a value is one that physics forbids, or the size cannot be
+/// told from zero. `before` and `next` are what the two were judged on. [] if nothing does or they were not judged.
+std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect,
+                                 const ModelEvidence& before = {}, const ModelEvidence& next = {});
 
 /// Errors of the last two versions on strokes left out, as shown; null if they were not judged.
 nlohmann::json LastStepJson(const Machine& machine);

@@ -22,8 +22,11 @@ ModelEvidence Evidence(const Machine& machine, const MachineModel& model, const 
   record.rms_holdout = model.figures.rms_holdout;
   record.noise_floor = model.figures.noise_floor;
   record.unit = model.structure->output_unit;
-  for (const Estimate& e : model.figures.parameters)
+  for (const Estimate& e : model.figures.parameters) {
     record.parameters.push_back({e.parameter, e.value, e.std, e.unit});
+    if (e.reason == EstimateReason::kOutsidePhysics) out.outside_physics.push_back(e.parameter);
+  }
+  out.excess = model.fit.excess;
   for (const EffectChoice& choice : model.choices) {
     const Effect& effect = *model.structure->effects[choice.effect];
     const std::vector<double>& nonlinear =
@@ -80,6 +83,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
                          "{}: die Hübe regen nicht alle Parameter des Modells an", history.database));
   strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
+  MarkCarriedByError(strokes, out.fit, out.figures);
   out.figures.noise_floor = history.NoiseFloor(out.figures.noise_floor);
   return out;
 }

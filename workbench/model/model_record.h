@@ -12,7 +12,9 @@ namespace hydroscope {
 /// What a machine's model achieves, and the nonlinear parameters its effects came out with.
 struct ModelEvidence {
   ModelRecord record;
-  std::map<std::string, std::map<std::string, double>> effect_values;
+  std::map<std::string, std::map<std::string, double>> effect_values = {};
+  std::vector<std::string> outside_physics = {};  ///< parameters whose value physics forbids
+  Eigen::VectorXd excess = {};                    ///< ExtendedFit::excess of the strokes; empty: not known
 };
 
 /// Judges the model of `machine` (base and added effects) on the strokes of a log. Errors: as FitMachineModel.

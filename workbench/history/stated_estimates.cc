@@ -1,0 +1,153 @@
+#include "workbench/history/stated_estimates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/non_negative.h"
+#include "core/quantile.h"
+#include "models/machine_kind.h"
+#include "models/model_structure.h"
+#include "pipeline/run_summary.h"
+#include "workbench/model/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kMostStrokesFitted = 400;
+constexpr std::int64_t kMostSummaries = 256;  ///< strokes that are asked what they were driven at
+
+/// Of a machine that is followed from episode to episode, each was predicted with the parameters as they stood before it.
+/// Medians over the last run; no fit.
+Status TakeErrorsOfEpisodes(const Database& database, const RunInfo& run, GramFit& figures) {
+  const auto episodes = TRY(database.Strokes(run.id));
+  std::vector<double> errors, floors;
+  for (const StrokeSummary& episode : episodes) {
+    errors.push_back(episode.rms_error);
+    floors.push_back(episode.noise_floor);
+  }
+  figures.rms_holdout = Median(errors, 0);
+  figures.noise_floor = Median(floors, 0);
+  return {};
+}
+
+/// Strokes first <= sequence < end under `model`, without those of which other columns were stored.
+Result<StrokeHistory> HistoryOf(const Database& database, std::int64_t machine_id, const Machine& machine,
+                                std::shared_ptr<const ModelStructure> model, double period,
+                                std::int64_t first, std::int64_t end) {
+  StrokeHistory history;
+  history.machine = machine;
+  history.window = WindowSamples::From(machine.window, period);
+  history.window.level_form = model->level_form;
+  history.units = TRY(database.Grams(machine_id, first, end));
+  std::erase_if(history.units,
+                [&](const StrokeGram& gram) { return gram.flow.dimension() != model->column_count(); });
+  history.model = std::move(model);
+  return history;
+}
+
+double PeriodOf(const RunInfo& run, const Machine& machine) {
+  const double period = ParseRunSummary(run.summary_json).sample_period;
+  return period > 0 ? period : machine.live ? machine.live->grid_period : 0;
+}
+
+/// The fit to the last run that was read to its end; nothing where that excites too little, which is told parameter by
+/// parameter.
+Status FitLastRun(const Database& database, std::int64_t machine_id, const Machine& machine,
+                  std::shared_ptr<const ModelStructure> model, const std::vector<RunInfo>& runs,
+                  GramFit& figures) {
+  const auto run =
+      std::find_if(runs.rbegin(), runs.rend(), [](const RunInfo& r) { return r.complete && r.strokes > 0; });
+  if (run == runs.rend()) return {};
+  if (InEpisodes(KindOf(machine))) return TakeErrorsOfEpisodes(database, *run, figures);
+  const double period = PeriodOf(*run, machine);
+  if (!(period > 0)) return {};
+  const std::int64_t end = run->first_sequence + run->strokes;
+  const auto history = TRY(HistoryOf(database, machine_id, machine, std::move(model), period,
+                                     std::max(run->first_sequence, end - kMostStrokesFitted), end));
+  if (const auto fitted = FitHistoryModel(machine, history)) figures = fitted->figures;
+  return {};
+}
+
+/// What assumed tolerances add to the intervals of `latest`.
+void WidenByTolerances(const ModelStructure& stated, const ModelStructure& assumed,
+                       std::vector<Estimate>& latest) {
+  const Eigen::VectorXd any = Eigen::VectorXd::Ones(stated.base_count);  // shares do not depend on it
+  const auto without = stated.derive(any), with = assumed.derive(any);
+  for (std::size_t i = 0; i < with.size(); ++i)
+    for (Estimate& e : latest)
+      if (e.parameter == with[i].name && with[i].geometry_std > without[i].geometry_std) {
+        const double share =
+            std::sqrt(NonNegative(std::pow(with[i].geometry_std, 2) - std::pow(without[i].geometry_std, 2))) /
+            std::abs(with[i].value);
+        e.std = std::hypot(e.std, share * e.value);
+      }
+}
+
+/// The recursive estimate takes strokes for independent. Where those of the last run hang together, its intervals are at
+/// least those of the fit to them.
+void WidenByLastRun(const GramFit& figures, std::vector<Estimate>& latest) {
+  if (figures.clusters.unit == ClusterUnit::kStroke) return;
+  for (Estimate& e : latest)
+    for (const Estimate& fitted : figures.parameters)
+      if (fitted.parameter == e.parameter && std::isfinite(fitted.std) && fitted.std > e.std) {
+        e.std = fitted.std;
+        if (fitted.reason == EstimateReason::kConfounded && e.reason == EstimateReason::kUpdated)
+          e.reason = fitted.reason;
+      }
+}
+
+/// Nor can the recursive estimate be trusted where the error of the fit to the last run could be taken for the parameter.
+void MarkByLastRun(const GramFit& figures, std::vector<Estimate>& latest) {
+  for (Estimate& e : latest)
+    for (const Estimate& fitted : figures.parameters)
+      if (fitted.parameter == e.parameter && fitted.reason == EstimateReason::kConfounded &&
+          fitted.excitation > 0 && e.reason == EstimateReason::kUpdated)
+        e.reason = fitted.reason;
+}
+
+/// `latest` in the order of the model's parameters; one without an estimate cannot be moved out of its interval.
+std::vector<Estimate> InOrder(const ModelStructure& model, const std::vector<Estimate>& latest) {
+  std::vector<Estimate> out;
+  for (const DerivedParameter& derived : model.derive(Eigen::VectorXd::Ones(model.base_count))) {
+    const auto known = std::ranges::find(latest, derived.name, &Estimate::parameter);
+    out.push_back(known != latest.end() ? *known : Estimate{.parameter = derived.name, .std = kInfinity});
+  }
+  return out;
+}
+
+/// Over the newest strokes, of whatever run.
+Status ConfoundNewest(const Database& database, std::int64_t machine_id, const Machine& machine,
+                      std::shared_ptr<const ModelStructure> model, const std::vector<RunInfo>& runs,
+                      const std::vector<Estimate>& latest, StatedEstimates& out) {
+  if (runs.empty() || model->effects.empty()) return {};
+  const double period = PeriodOf(runs.back(), machine);
+  const std::int64_t end = runs.back().first_sequence + runs.back().strokes;
+  const std::int64_t first = std::max<std::int64_t>(0, end - kMostStrokesFitted);
+  if (!(period > 0)) return {};
+  const auto history = TRY(HistoryOf(database, machine_id, machine, model, period, first, end));
+  const auto summaries = TRY(database.SummariesOf(machine_id, first, end, kMostSummaries));
+  out.confounded = ConfoundingsOf(machine.added_effects, model, history.units, history.window,
+                                  RangesOf(model->conditions, summaries), InOrder(*model, latest));
+  return {};
+}
+
+}  // namespace
+
+Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t machine_id,
+                                       const Machine& machine, const ModelStructure& model,
+                                       const std::vector<RunInfo>& runs, std::vector<Estimate>& latest) {
+  StatedEstimates out;
+  Machine tolerant = machine;
+  out.assumed = AssumeTolerances(tolerant);
+  const auto assumed = TRY(BuildModel(tolerant));
+  if (!out.assumed.empty()) WidenByTolerances(model, *assumed, latest);
+  TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out.figures));
+  WidenByLastRun(out.figures, latest);
+  MarkByLastRun(out.figures, latest);
+  TRY(ConfoundNewest(database, machine_id, tolerant, assumed, runs, latest, out));
+  MarkConfounded(out.confounded, latest);
+  return out;
+}
+
+}  // namespace hydroscope
