@@ -40,14 +40,16 @@ std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
                      s.strokes);
 }
 
-MachineKind KindOf(const TrendSummary& s) { return s.kind == nullptr ? MachineKind{} : *s.kind; }
+MachineKind KindOfSummary(const TrendSummary& s) { return s.kind == nullptr ? MachineKind{} : *s.kind; }
 
-DisplayUnit ShownUnitOf(const TrendSummary& s) { return ParameterUnit(KindOf(s), s.parameter, s.unit); }
+DisplayUnit ShownUnitOf(const TrendSummary& s) {
+  return ParameterUnit(KindOfSummary(s), s.parameter, s.unit);
+}
 
 std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
   if (!s.change) return fmt::format("too few {}", counted.many);
   const auto percent =
-      ToldInPercent(KindOf(s), s.parameter, s.unit) ? s.change->Percent() : std::optional<double>();
+      ToldInPercent(KindOfSummary(s), s.parameter, s.unit) ? s.change->Percent() : std::optional<double>();
   const DisplayUnit unit = ShownUnitOf(s);
   const double value = percent ? *percent : s.change->value * unit.factor;
   const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);

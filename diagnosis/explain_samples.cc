@@ -368,18 +368,18 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
 }
 
 /// Of a group of effects what courses of the temperature and of time may be taken for one another.
-enum class Course { kNone, kOfTime, kFromASetPoint };
+enum class MovesWith { kNone, kTime, kTemperatureFromASetPoint };
 
 /// A law of the temperature with a free temperature at which it vanishes is also an error that was there before, and grew with time.
-Course CourseOf(const ModelStructure& model, const std::vector<std::string>& group) {
+MovesWith MovesWithOf(const ModelStructure& model, const std::vector<std::string>& group) {
   std::size_t drifting = 0, from_a_set_point = 0;
   for (const auto& effect : model.effects) {
     if (!Contains(group, effect->id)) continue;
     drifting += !effect->drifting.empty();
     from_a_set_point += !effect->nonlinear.empty() && effect->nonlinear.front().unit == "K";
   }
-  if (drifting == group.size()) return Course::kOfTime;
-  return drifting == 0 && from_a_set_point > 0 ? Course::kFromASetPoint : Course::kNone;
+  if (drifting == group.size()) return MovesWith::kTime;
+  return drifting == 0 && from_a_set_point > 0 ? MovesWith::kTemperatureFromASetPoint : MovesWith::kNone;
 }
 
 /// What moves with time may as well follow the oil temperature, and the other way round, where the two rise together so evenly that a
@@ -387,14 +387,14 @@ Course CourseOf(const ModelStructure& model, const std::vector<std::string>& gro
 void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& options, Explanation& out) {
   if (out.partial) return;
   for (const auto& group : out.groups) {
-    const Course course = CourseOf(*out.model, group);
-    if (course == Course::kNone) continue;
+    const MovesWith with = MovesWithOf(*out.model, group);
+    if (with == MovesWith::kNone) continue;
     const bool measured = out.model->temperature_channel >= 0;
     const double apart = 1 - SharedCourse(strokes, out.model->temperature_channel);
     const double excess = std::max(0.0, out.base.excess_ratio);
     if (measured && apart * excess > options.floor_excess + options.left_share * excess) continue;
     out.partial = true;
-    if (course == Course::kFromASetPoint)
+    if (with == MovesWith::kTemperatureFromASetPoint)
       out.doubt = Tell(
           "the oil temperature moved evenly with time: an error that was there from the beginning and grows with time would look the "
           "same",

@@ -67,10 +67,8 @@ TEST_F(PressMonitorTest, ALeakThatWasLearnedIsToldAsADoubtfulReference) {
 
 /// No effect of one size explains it.
 TEST_F(PressMonitorTest, ALeakThatGrowsWhileItIsLearnedIsToldAsADoubtfulReference) {
-  auto whole = Healthy();
-  whole.resize(60);
-  Store(0, whole);
-  for (int day = 0; day < 5; ++day)
+  Store(0, Simulate(330, 1, [](PressOptions&) {}));
+  for (int day = 0; day < 4; ++day)
     Store(0, Simulate(80, 20 + day, [&](PressOptions& o) {
             o.effects = {{"internal_leakage", 2e-12 + 1e-12 * day, {}}};
           }));

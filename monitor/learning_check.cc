@@ -9,7 +9,6 @@
 #include <set>
 
 #include "diagnosis/odd_strokes.h"
-#include "estimation/floor_trust.h"
 #include "models/counted_words.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_trust.h"
@@ -138,7 +137,8 @@ Told SlowRowsKept(const Database& database, const std::string& path, const Histo
 /// Whether the strokes' error grew by more than a model may err, at equal oil temperature where that was measured.
 bool ErrorGrew(const std::vector<StrokeSummary>& strokes, const ThirdsComparison& ratio) {
   if (SignificanceOf(ratio.change) != Significance::kClear) return false;
-  if (!(ratio.last * ratio.last > (1 + kFloorExcess) * ratio.first * ratio.first)) return false;
+  if (!(ratio.last * ratio.last > (1 + ExplainOptions{}.floor_excess) * ratio.first * ratio.first))
+    return false;
   std::vector<double> ratios, oil, number;
   for (const StrokeSummary& stroke : strokes) {
     if (!(stroke.noise_floor > 0) || !std::isfinite(stroke.rms_error + stroke.oil_temperature)) continue;

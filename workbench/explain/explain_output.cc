@@ -293,6 +293,16 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
   return text;
 }
 
+/// Of an ambiguous verdict the extended model holds one effect of each group; with another its parameters are others.
+std::string RivalsText(const Explanation& x) {
+  std::string text;
+  for (const auto& group : x.groups)
+    if (group.size() > 1)
+      text += fmt::format("  Extended by {}; by {} in its place it has other parameters.\n", group.front(),
+                          fmt::join(group.begin() + 1, group.end(), " or "));
+  return text;
+}
+
 /// Sizes of the effects: those the model has already, then "+" those found.
 std::string AddedText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
@@ -432,9 +442,9 @@ std::string ExplainText(const ExplainResult& result) {
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
   return text + ProposedText(result) + StepsText(result) + ParametersText(result) + AddedText(result) +
-         ConfoundedText(result) + IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) +
-         RankingText(result) + RuledOutText(x) + UntestableText(result) +
-         LocatedText(result.location.located, unit) +
+         RivalsText(x) + ConfoundedText(result) +
+         IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) + RankingText(result) +
+         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
          (result.remainder ? RemainderText(*result.remainder, unit.factor, unit.name) : "") +
          NextText(result);
 }
