@@ -10,7 +10,7 @@ namespace hydroscope {
 namespace {
 
 /// What is said of a minute of strokes of a cushion whose position reads `disturbed(row, position)`.
-Told Verdict(const std::function<double(int, double)>& disturbed) {
+Told NoVerdictOf(const std::function<double(int, double)>& disturbed) {
   const auto machine = LoadMachine(HYDROSCOPE_SOURCE_DIR "/machines/die_cushion.toml");
   EXPECT_TRUE(machine) << machine.error().text;
   const auto z = static_cast<std::size_t>(machine->SignalIndex("z"));
@@ -32,7 +32,8 @@ Told Verdict(const std::function<double(int, double)>& disturbed) {
 
 TEST(ReadingFaults, APositionThatJumpsAndStaysThereGivesNoVerdict) {
   const auto counter = [](int row, double z) { return z + 0.003 * (row / 6000); };
-  EXPECT_NE(Verdict(counter).english.find("jumps 4 times"), std::string::npos) << Verdict(counter).english;
+  EXPECT_NE(NoVerdictOf(counter).english.find("jumps 4 times"), std::string::npos)
+      << NoVerdictOf(counter).english;
 }
 
 /// Of a burst of disturbance two readings on end may lie close together, far from all others.
@@ -42,7 +43,7 @@ TEST(ReadingFaults, ABurstThatIsOverAfterSomeRowsIsNoJump) {
     const int since = row % 1500 - 700;
     return since >= 0 && since < 5 ? z + kBurst[since] : z;
   };
-  EXPECT_EQ(Verdict(bursts).english, "");
+  EXPECT_EQ(NoVerdictOf(bursts).english, "");
 }
 
 }  // namespace
