@@ -25,9 +25,11 @@ TEST(Explain, BelievesNoNoiseThatHalfOfTheStrokesDoesNotShow) {
   PressOptions press;
   press.seconds = 60;
   const SimulatedStrokes log = StrokesOfPress(press);
-  const auto explained = [&](double noise_scale) {
-    return Explain(StrokeSet(log.model, GramsOf(log.model, log.strokes, log.window), log.window, noise_scale),
-                   {});
+  const auto explained = [&](double noise) {
+    std::vector<StrokeGram> grams = GramsOf(log.model, log.strokes, log.window);
+    for (StrokeGram& gram : grams)
+      for (double& product : gram.noise.packed()) product *= noise;
+    return Explain(StrokeSet(log.model, std::move(grams), log.window), {});
   };
   EXPECT_EQ(explained(1).verdict, Verdict::kAdequate);
   const Explanation x = explained(25);

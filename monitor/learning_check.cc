@@ -10,6 +10,7 @@
 
 #include "diagnosis/odd_strokes.h"
 #include "models/counted_words.h"
+#include "models/machine_kind.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/raw_log.h"
@@ -91,7 +92,7 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result, bool n
        Tell(
            "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it",
            "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt es"),
-       x.may_be_noise || !noise_known}};
+       x.may_be_noise || !noise_known || KindOf(result->log.machine).own_library}};
 }
 
 /// Where the model describes all but a few strokes, these are none of the healthy machine: a sensor that stood still for a while,

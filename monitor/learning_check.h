@@ -24,8 +24,9 @@ struct LearningDoubt {
     kNotExplained,   ///< they could not be explained
   };
   Kind kind = Kind::kEffect;
-  Told text;           ///< one sentence
-  bool minor = false;  ///< of kUnexplained: a small error, or one that may be noise
+  Told text;  ///< one sentence
+  /// Of kUnexplained: a small error, one that may be noise, or one of a machine whose effects its user wrote.
+  bool minor = false;
 
   /// A model that is not perfect is no fault of the machine: the last two do not refuse.
   bool Refuses() const { return kind < Kind::kUnexplained; }

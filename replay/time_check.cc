@@ -11,8 +11,8 @@ namespace hydroscope {
 namespace {
 
 constexpr double kGapPeriods = 1.5;
-constexpr double kRounding = 1e-6;          ///< relative, of steps that are compared
 constexpr double kRoundingOfStamps = 0.01;  ///< of a step of the stamps
+constexpr double kCoarseStamps = 0.2;       ///< of a period
 constexpr double kForwardJump = 10.0;       // s
 constexpr double kBackwardJump = 1.0;       // s
 
@@ -31,6 +31,7 @@ double StepOfStamps(const std::vector<double>& times) {
 
 double LongestStep(const std::vector<double>& times, double period) {
   const double stamps = StepOfStamps(times), missing = 2 * period - 0.5 * stamps;
+  if (stamps < kCoarseStamps * period) return kGapPeriods * period;
   return std::max(kGapPeriods * period, std::min(kGapPeriods * period + stamps, missing));
 }
 
@@ -45,7 +46,7 @@ double SamplePeriodOf(const std::vector<double>& times) {
   double sum = 0;
   int count = 0;
   for (const double step : steps) {
-    if (step < 0.5 * (1 - kRounding) * median || step > 1.5 * (1 + kRounding) * median) continue;
+    if (step < 0.5 * median || step > 1.5 * median) continue;
     sum += step;
     ++count;
   }

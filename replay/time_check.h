@@ -20,8 +20,8 @@ inline constexpr double kCoarseShare = 0.1;
 /// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
 double SamplePeriodOf(const std::vector<double>& times);
 
-/// Longest step, s, between rows of which none is missing: 1.5 periods, and a step of the stamps more where they are coarser than
-/// what rows jitter by (2 ms rows in whole ms are up to 3 ms apart), as long as a missing row still shows.
+/// Longest step, s, between rows of which none is missing: 1.5 periods, and a step of the stamps more where that is a fifth of a
+/// period and more (2 ms rows in whole ms are up to 3 ms apart), as long as a missing row still shows.
 double LongestStep(const std::vector<double>& times, double period);
 
 /// Whether each time lies before the one of the row before, and what to do then.

@@ -102,18 +102,21 @@ std::vector<Estimate> LatestOf(const std::vector<TrendPoint>& trend) {
   return latest;
 }
 
-/// Whether a stroke of the run updated a parameter.
+/// Whether a stroke of the run updated a parameter, or all of them together made one surer.
 Result<bool> Taught(const Database& database, std::int64_t machine_id, const RunInfo& run) {
   constexpr std::int64_t kAtATime = 1000;
   const std::int64_t end = run.first_sequence + run.strokes;
+  std::map<std::string, std::pair<double, double>>
+      stds;  // after the first stroke that has the parameter, after the last
   for (std::int64_t first = run.first_sequence; first < end; first += kAtATime) {
     const auto points = TRY(database.Trend(machine_id, "", first, std::min(end, first + kAtATime)));
-    if (std::ranges::any_of(points, [](const TrendPoint& point) {
-          return point.estimate.reason == EstimateReason::kUpdated;
-        }))
-      return true;
+    for (const TrendPoint& point : points) {
+      const Estimate& e = point.estimate;
+      if (e.reason == EstimateReason::kUpdated) return true;
+      stds.try_emplace(e.parameter, e.std, e.std).first->second.second = e.std;
+    }
   }
-  return false;
+  return std::ranges::any_of(stds, [](const auto& of) { return of.second.second < of.second.first; });
 }
 
 /// Strokes that are expected to teach something, as many as `check` asks for; the first ones of a model with effects do not.

@@ -180,7 +180,7 @@ TEST_F(OneAnswer, TheDriftOfAMachineWithDerivedParametersIsWatched) {
   const std::string machine = Machine(text + "derived = { time = { expression = \"d/k\", unit = \"s\" } }\n");
   const Ran ran =
       Run({"replay", VoltageLog(File("a.csv"), {}), "-m", machine, "--db", File("a.db"), "--json", "-"});
-  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  ASSERT_EQ(ran.exit_code, 0) << ran.out << ran.err;
   EXPECT_TRUE(ran.Json()["parameters"].contains("time")) << ran.Json()["parameters"].dump(1);
   const Ran again = Run({"replay", File("a.csv"), "-m", machine, "--db", File("a.db")});
   EXPECT_THAT(again.out, Not(HasSubstr("not watched"))) << again.out;

@@ -104,7 +104,8 @@ TEST_F(SlowLog, OfAllOfCommissioningIsReplayedAndNotLearned) {
   WriteText(File("slow_rules.toml"),
             std::regex_replace(rules, std::regex("commissioning = \\d+"), "commissioning = 100"));
   const Ran ran = Run({"replay", log, "-m", machine, "--db", db});
-  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  ASSERT_EQ(ran.exit_code, 4) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("NOTHING LEARNED"));
   EXPECT_THAT(ran.out, HasSubstr("Drift is not watched: nothing is learned from strokes 0 to 99"));
   EXPECT_THAT(ran.out, HasSubstr("sampled too slowly"));
 }
