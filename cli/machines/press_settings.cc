@@ -146,8 +146,7 @@ Status ParseOil(const std::string& text, PressOptions& options) {
 Status TakeMachine(const std::string& path, PressOptions& options) {
   const auto machine = TRY(LoadMachine(path));
   PressMachine& m = options.machine;
-  const std::map<std::string, double*> slots = {
-      {"A_A", &m.A_A}, {"dp_nom", &m.dp_nom}, {"p_t", &m.p_tank}};
+  const std::map<std::string, double*> slots = {{"A_A", &m.A_A}, {"dp_nom", &m.dp_nom}, {"p_t", &m.p_tank}};
   for (const auto& [key, slot] : slots)
     if (const auto known = machine.Geometry(key)) *slot = known->value;
   return {};

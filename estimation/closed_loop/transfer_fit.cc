@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "estimation/frequency_response/second_order.h"
 #include "estimation/frequency_response/welch.h"
