@@ -19,9 +19,6 @@
 namespace hydroscope {
 namespace {
 
-/// Below which a half is fitted by too few strokes.
-constexpr int kStrokesOfHalves = 8;
-
 using Groups = std::vector<std::vector<std::string>>;
 
 /// Error energy per equation that ExplainOptions::trifle comes to.
@@ -458,6 +455,9 @@ void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   out.set.clear();
   out.groups.clear();
 }
+
+/// Below which a half is fitted by too few strokes.
+constexpr int kStrokesOfHalves = 8;
 
 /// Rms that the model leaves on that half of the strokes, fitted by itself, on which it leaves less; infinite if neither can be.
 double LeftOnBetterHalf(const StrokeSet& strokes, std::span<const EffectChoice> choices) {
