@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -15,6 +13,7 @@
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/moved_parameter.h"
+#include "diagnosis/noise_of_halves.h"
 
 namespace hydroscope {
 namespace {
@@ -443,6 +442,15 @@ Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& ask
   return out;
 }
 
+/// What was found is no name, for the reason given if there is one.
+void RefuseName(Explanation& out, Told why = {}) {
+  out.verdict = Verdict::kUnknown;
+  out.partial = true;
+  out.set.clear();
+  out.groups.clear();
+  if (!why.empty()) out.doubt = std::move(why);
+}
+
 /// A name that does not lower the error on strokes left out, in the units shown, step by step, is none.
 void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   if (out.set.empty() || out.steps.size() < 2) return;
@@ -450,46 +458,7 @@ void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   if (std::all_of(out.steps.begin(), out.steps.end() - 1,
                   [&](const auto& before) { return reached < before.rms_holdout; }))
     return;
-  out.verdict = Verdict::kUnknown;
-  out.partial = true;
-  out.set.clear();
-  out.groups.clear();
-}
-
-/// Below which a half is fitted by too few strokes.
-constexpr int kStrokesOfHalves = 8;
-
-/// Rms that the model leaves on that half of the strokes, fitted by itself, on which it leaves less; infinite if neither can be.
-double LeftOnBetterHalf(const StrokeSet& strokes, std::span<const EffectChoice> choices) {
-  std::vector<std::size_t> all(static_cast<std::size_t>(strokes.strokes()));
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  const std::span<const std::size_t> each(all);
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto half : {each.first(all.size() / 2), each.subspan(all.size() / 2)}) {
-    const ExtendedFit fit = strokes.Only(half).Fit(choices);
-    if (fit.solved) least = std::min(least, fit.rms_residual);
-  }
-  return least;
-}
-
-/// A log of two machines, or of one that was changed, bends the fit until noise alone would leave as much as it does.
-void RefuseUnbelievableNoise(const StrokeSet& strokes, const ExplainOptions& options,
-                             std::span<const EffectChoice> start, Explanation& out) {
-  const ExtendedFit& fit = out.final.solved ? out.final : out.base;
-  if (out.verdict == Verdict::kUnknown || !fit.solved || strokes.strokes() < kStrokesOfHalves) return;
-  const double times = fit.noise_floor / LeftOnBetterHalf(strokes, start);
-  if (!(times > options.noise_of_half)) return;
-  out.verdict = Verdict::kUnknown;
-  out.partial = true;
-  out.set.clear();
-  out.groups.clear();
-  out.doubt = Tell(
-      "noise alone is said to leave {:.2g} times what the model as it is leaves on one half of the strokes fitted by itself: they are "
-      "not of one machine in one state (another axis, a part exchanged, a setting changed); explain the parts one by one",
-      "Rauschen allein ließe angeblich {:.2g}-mal so viel übrig wie das Modell, so wie es ist, auf einer Hälfte der Hübe für sich: sie "
-      "sind nicht von einer Maschine in einem Zustand (andere Achse, getauschtes Teil, geänderte Einstellung); die Teile einzeln "
-      "erklären",
-      times);
+  RefuseName(out);
 }
 
 /// What is named is no effect that cannot be tested here.
@@ -536,7 +505,10 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
                                                : ExplainByStrokes(used, options, start);
   RefuseWhatDoesNotLowerTheError(out);
-  RefuseUnbelievableNoise(used, options, start.choices, out);
+  const ExtendedFit& fit = out.final.solved ? out.final : out.base;
+  if (out.verdict != Verdict::kUnknown)
+    if (Told why = WhyNoiseIsNotBelievable(used, start.choices, fit, options.noise_of_half); !why.empty())
+      RefuseName(out, std::move(why));
   TakeNamedAsTested(out);
   WidenShown(used, out);
   return out;

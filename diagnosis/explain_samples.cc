@@ -396,10 +396,10 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
     out.partial = true;
     if (with == MovesWith::kTemperatureFromASetPoint)
       out.doubt = Tell(
-          "the oil temperature moved evenly with time: an error that was there from the beginning and grows with time would look the "
-          "same",
-          "die Öltemperatur lief gleichmäßig mit der Zeit: ein Fehler, der von Anfang an da war und mit der Zeit wächst, sähe genauso "
-          "aus");
+          "the oil temperature moved evenly with time: an error that was there from the beginning and grows with time "
+          "would look the same",
+          "die Öltemperatur lief gleichmäßig mit der Zeit: ein Fehler, der von Anfang an da war und mit der Zeit wächst, "
+          "sähe genauso aus");
     else if (measured)
       out.doubt =
           Tell("the oil temperature moved evenly with time: a law of the temperature would look the same",

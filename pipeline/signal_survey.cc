@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "core/constants.h"
 #include "core/short_number.h"
@@ -116,8 +117,6 @@ void SignalSurvey::JudgeBlock(Condition& c) const {
   ++c.judged;
   c.held_in.back() = x >= c.min && x <= c.max;
   c.mirrored_in.back() = -x >= c.min && -x <= c.max;
-  c.held += c.held_in.back();
-  c.held_mirrored += c.mirrored_in.back();
 }
 
 TimeSurvey SignalSurvey::time() const {
@@ -130,9 +129,11 @@ std::vector<ConditionSurvey> SignalSurvey::conditions() const {
   std::vector<ConditionSurvey> out;
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
     const double judged = static_cast<double>(std::max<std::int64_t>(1, conditions_[i].judged));
-    out.push_back({ConditionText(machine_, machine_.gate.bounds[i]),
-                   static_cast<double>(conditions_[i].held) / judged,
-                   static_cast<double>(conditions_[i].held_mirrored) / judged});
+    const auto share = [&](const std::vector<bool>& in) {
+      return static_cast<double>(std::ranges::count(in, true)) / judged;
+    };
+    out.push_back({ConditionText(machine_, machine_.gate.bounds[i]), share(conditions_[i].held_in),
+                   share(conditions_[i].mirrored_in)});
   }
   return out;
 }
@@ -140,7 +141,7 @@ std::vector<ConditionSurvey> SignalSurvey::conditions() const {
 GateSurvey SignalSurvey::gate() const {
   std::size_t blocks = conditions_.empty() ? 0 : conditions_.front().held_in.size();
   for (const Condition& c : conditions_) blocks = std::min(blocks, c.held_in.size());
-  const auto share = [&](int mirrored) {
+  const auto share = [&](std::optional<int> mirrored) {
     std::size_t held = 0;
     for (std::size_t block = 0; block < blocks; ++block)
       held += std::ranges::all_of(conditions_, [&](const Condition& c) {
@@ -148,8 +149,7 @@ GateSurvey SignalSurvey::gate() const {
       });
     return static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(1, blocks));
   };
-  constexpr int kNone = -2;
-  GateSurvey gate{share(kNone), {}};
+  GateSurvey gate{share(std::nullopt), {}};
   for (std::size_t s = 0; s < machine_.signals.size(); ++s) {
     const int signal = static_cast<int>(s);
     const bool bounded =

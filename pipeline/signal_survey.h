@@ -70,7 +70,7 @@ class SignalSurvey {
     double sum = 0;           ///< of the block under way
     int count = 0, blocks = 0;
     bool whole = true;  ///< no value of the block was missing
-    std::int64_t judged = 0, held = 0, held_mirrored = 0;
+    std::int64_t judged = 0;
     /// Per block: whether it held, and whether it did with the signal's sign reversed. A rate is judged one block late.
     std::vector<bool> held_in, mirrored_in;
   };

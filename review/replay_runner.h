@@ -41,8 +41,8 @@ struct LogReplay {
   RunInfo run;
   std::int64_t stored_before = 0;  ///< strokes an earlier replay had stored
   RunSummary summary;
-  /// Why none of its strokes told of a parameter, a sentence; "" if one did, or if they are too few to expect it while
-  /// others did.
+  /// Why none of its strokes told of a parameter, a sentence; "" if one did, if all together did, or if they are too few
+  /// to expect it beside other logs that did.
   std::string taught_nothing;
 };
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Sets up, builds everything and runs the tests but for the long ones. Arguments go to ctest.
-#   scripts/test.sh              nine minutes after the build
+#   scripts/test.sh              some nine minutes after the build
 #   scripts/test.sh -R Replay    those whose names hold Replay
-#   scripts/test.sh --long       the long ones of tests/long_tests.txt, five minutes
+#   scripts/test.sh --long       the long ones of tests/long_tests.txt
 #   scripts/test.sh --quarter    every fourth of the long ones, others after each commit
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -14,6 +14,7 @@
 #include <random>
 
 #include "setup/column_meaning.h"
+#include "setup/press_log_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -22,51 +23,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-/// One row of a press in SI.
-struct PressRow {
-  double t, p_A, p_B, p_0, z, y_v, U_v, T_oil;
-};
-
-/// Twelve seconds of a press: strokes of 1 s under pressure, 1 s back, with sensor noise.
-std::vector<PressRow> PressRows() {
-  std::mt19937 generator(7);
-  std::normal_distribution<double> noise;
-  std::vector<PressRow> rows;
-  for (int i = 0; i < 6000; ++i) {
-    const double t = 0.002 * (i + 1), phase = std::fmod(t, 2.0);
-    const bool stroke = phase < 1;
-    const double opening = stroke ? 0.3 + 0.1 * std::sin(9 * t) : -0.3;
-    rows.push_back({t, (stroke ? 180e5 : 20e5) + 2e5 * noise(generator), 60e5 + 2e5 * noise(generator),
-                    210e5 + 1e5 * noise(generator),
-                    (stroke ? 0.2 - 0.15 * phase : 0.05 + 0.15 * (phase - 1)) + 1e-4 * noise(generator),
-                    opening + 1e-3 * noise(generator), 10 * opening + 1e-2 * noise(generator),
-                    313 + 0.05 * noise(generator)});
-  }
-  return rows;
-}
-
-/// A log with `header` whose rows `write` makes from those of the press.
-std::string PressLog(const std::string& header, const std::function<std::string(const PressRow&)>& write) {
-  std::string text = header;
-  for (const PressRow& row : PressRows()) text += write(row) + "\n";
-  return text;
-}
-
-MachineProposal Propose(const std::string& text, double area = 0.0125) {
-  const auto path = std::filesystem::path(::testing::TempDir()) /
-                    fmt::format("{}.csv", ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  std::ofstream(path, std::ios::binary) << text;
-  const auto head = ReadLogColumns(path.string());
-  std::filesystem::remove(path);
-  if (!head) {
-    ADD_FAILURE() << head.error().text;
-    return {};
-  }
-  ProposalOptions options;
-  if (area > 0) options.known["A_A"] = area;
-  return ProposeMachine(*head, options);
-}
 
 /// column, unit of a signal of a proposed machine, e.g. "Weg mm".
 std::string ColumnOf(const Machine& machine, const std::string& signal) {
@@ -77,13 +33,6 @@ std::string ColumnOf(const Machine& machine, const std::string& signal) {
 
 void ExpectColumns(const Machine& machine, const std::map<std::string, std::string>& columns) {
   for (const auto& [signal, column] : columns) EXPECT_EQ(ColumnOf(machine, signal), column) << signal;
-}
-
-/// The proposed text loads, and as the very machine that was proposed.
-void ExpectLoads(const MachineProposal& proposal) {
-  const auto machine = ParseMachine(proposal.text, "log.toml");
-  ASSERT_TRUE(machine) << machine.error().text << "\n" << proposal.text;
-  EXPECT_EQ(*machine, proposal.machine) << proposal.text;
 }
 
 std::string SiRow(const PressRow& r) {
@@ -353,49 +302,6 @@ TEST(MachineProposal, SaysWhenTheLogIsTooSlow) {
   EXPECT_THAT(InEnglish(Propose(text).open), Contains(HasSubstr("10 rows per second")));
 }
 
-/// It says nothing of the time between them, and a wrong time makes every flow wrong.
-TEST(MachineProposal, ACounterOfRowsIsNoTime) {
-  for (const char* name : {"Index", "sample", "Record", "No."}) {
-    int count = 0;
-    const MachineProposal proposal =
-        Propose(PressLog(name + std::string(",p_A,z,y_v\n"), [&](const PressRow& r) {
-          return fmt::format("{},{:.0f},{:.6f},{:.6f}", count++, r.p_A, r.z, r.y_v);
-        }));
-    EXPECT_EQ(proposal.machine.log.time_column, "") << name;
-    EXPECT_THAT(InEnglish(proposal.open), Contains(HasSubstr("sample_period"))) << name;
-    const auto machine = ParseMachine(proposal.text, "log.toml");
-    ASSERT_FALSE(machine) << name;
-    EXPECT_THAT(machine.error().text, HasSubstr("sample_period")) << name;
-  }
-}
-
-TEST(MachineProposal, TakesNanosecondsForWhatTheyAre) {
-  const MachineProposal proposal = Propose(PressLog("t,p_A,z,y_v\n", [](const PressRow& r) {
-    return fmt::format("{:.0f},{:.0f},{:.6f},{:.6f}", 1e9 * r.t, r.p_A, r.z, r.y_v);
-  }));
-  EXPECT_EQ(proposal.machine.log.time_unit, "ns");
-  ExpectLoads(proposal);
-}
-
-TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {
-  const MachineProposal proposal = Propose(PressLog("Zeit,p_A,z,y_v\n", [](const PressRow& r) {
-    return fmt::format("{:.11f},{:.0f},{:.6f},{:.6f}", 45123.5 + r.t / 86400, r.p_A, r.z, r.y_v);
-  }));
-  EXPECT_EQ(proposal.machine.log.time_unit, "d");
-  ExpectLoads(proposal);
-}
-
-TEST(MachineProposal, TellsHowFarRowsAreApartUnderCoarseTimeStamps) {
-  for (const double step : {0.01, 1.0}) {
-    const MachineProposal proposal = Propose(PressLog("Time,p_A,z,y_v\n", [&](const PressRow& r) {
-      return fmt::format("{:.2f},{:.0f},{:.6f},{:.6f}", std::floor(r.t / step + 1e-6) * step, r.p_A, r.z,
-                         r.y_v);
-    }));
-    EXPECT_EQ(proposal.machine.log.time_unit, "s");
-    EXPECT_THAT(InEnglish(proposal.decided), Contains(HasSubstr("rows are 2 ms apart")));
-  }
-}
-
 TEST(MachineProposal, TakesUnitsFromTheEndOfNames) {
   const MachineProposal proposal =
       Propose(PressLog("t_ms,pA_bar,pB_bar,p0_bar,s_mm,y_v,U_v,T_oil_C\n", [](const PressRow& r) {
@@ -452,18 +358,6 @@ TEST(MachineProposal, TellsSpoolInPerCentFromCommandInVoltsAndOilFromPressure) {
                                    {"p_0", "Pumpe bar"},
                                    {"T_oil", "Ölwanne degC"}});
   ExpectLoads(proposal);
-}
-
-TEST(MachineProposal, TellsSlowRowsInSecondsFromFastOnesInMilliseconds) {
-  for (const int rate : {5, 1}) {
-    std::string text = "t,p_A,z,y_v\n";
-    for (int i = 0; i < 600; ++i) {
-      const double t = i / static_cast<double>(rate), phase = std::fmod(t, 12.0);
-      text += fmt::format("{:.2f},{:.0f},{:.5f},{:.3f}\n", t, phase < 6 ? 180e5 : 20e5,
-                          phase < 6 ? 0.2 - 0.02 * phase : 0.08 + 0.02 * (phase - 6), phase < 6 ? 0.3 : -0.3);
-    }
-    EXPECT_EQ(Propose(text).machine.log.time_unit, "s") << rate;
-  }
 }
 
 TEST(MachineProposal, NoColumnIsASignalWhoseUnitItDoesNotHave) {

@@ -39,9 +39,8 @@ struct FeatureRows {
 
 /// Banks of features in which any law that depends on the signals as they are can be written nearly: every
 /// term of the base balance with a coefficient that is a piecewise linear function of one signal, of the
-/// phase of the stroke, of the time within the log or of the order of several logs (varying-coefficient model, Hastie and
-/// Tibshirani 1993),
-/// and rates of their own that are piecewise linear functions of one or two signals. No feature holds a
+/// phase of the stroke, of the time within the log or of the order of several logs (varying-coefficient
+/// model, Hastie and Tibshirani 1993), and rates of their own that are piecewise linear functions of one or two signals. No feature holds a
 /// signal that only the output reads, whose noise is that of the equation.
 class FeatureBanks {
  public:

@@ -6,6 +6,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/told_error.h"
+#include "estimation/closed_loop/causality.h"
 #include "estimation/closed_loop/input_limit.h"
 #include "estimation/frequency_response/model.h"
 
@@ -111,7 +112,7 @@ void TakeParameters(const ClosedLoopPlant& plant, LoopResponse& response) {
 void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, const TransferModel& model,
              const std::vector<double>& known, LoopResponse& response) {
   auto fit = FitTransfer(spectra, used, model);
-  const Status follows = fit ? CheckThatItFollows(*model.plant, *fit, spectra.sample_period) : Status();
+  const Status follows = fit ? CheckCausality(*model.plant, *fit, spectra.sample_period) : Status();
   if (!fit || !follows) {
     response.no_fit = ToldOf(fit ? follows.error() : fit.error());
     return;

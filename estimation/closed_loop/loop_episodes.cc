@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "estimation/closed_loop/causality.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -30,7 +31,7 @@ class LoopRecord : public ReadEpisode {
 
   std::optional<FirstFit> Fit() const override {
     const auto fit = FitTransfer(spectra_, used_, model_);
-    if (!fit || !CheckThatItFollows(*model_.plant, *fit, spectra_.sample_period)) return std::nullopt;
+    if (!fit || !CheckCausality(*model_.plant, *fit, spectra_.sample_period)) return std::nullopt;
     const LoopEstimate meant = NearestWay(*model_.plant, *fit, known_);
     const auto count = static_cast<Eigen::Index>(meant.parameters.size());
     FirstFit first;

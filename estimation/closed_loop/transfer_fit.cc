@@ -8,7 +8,6 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
-#include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "estimation/frequency_response/second_order.h"
 #include "estimation/frequency_response/welch.h"
@@ -31,8 +30,6 @@ constexpr double kSameValley = 1e-3;  // relative difference of chi^2 of two end
 constexpr double kLikelyMisfit = 0.999;
 // Standard deviation of a parameter's logarithm above which its pole is not told from others.
 constexpr double kKnownOneByOne = 0.3;
-// A delay below 0 is one from so many standard deviations and so much of a row.
-constexpr double kSureOfDelay = 4, kLeastOfRow = 0.05;
 constexpr double kMeanSquareOfHann = 3.0 / 8;
 constexpr double kSlopeStep = 1e-5;  // of a search coordinate: its slopes are good to 1e-9
 
@@ -386,25 +383,6 @@ std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEs
         !(std::sqrt(other.covariance(i, i)) <= kKnownOneByOne))
       return std::nullopt;
   return other;
-}
-
-Status CheckThatItFollows(const ClosedLoopPlant& plant, const LoopEstimate& estimate, double sample_period) {
-  for (std::size_t i = 0; i < plant.parameters.size(); ++i) {
-    const LoopParameter& parameter = plant.parameters[i];
-    if (parameter.kind != LoopKind::kDelay) continue;
-    const double delay = estimate.parameters[i], std = estimate.Std(parameter, i);
-    const double rows = delay / sample_period;
-    if (rows > -kSureOfDelay * std / sample_period - kLeastOfRow) continue;
-    if (std::abs(rows - std::round(rows)) < kLeastOfRow) continue;
-    return BadInput(Tell(
-        "{} answers {:.3g} ± {:.2g} ms before {}, which no plant does: these rows are slower than the controller, whose steps "
-        "between them are missing (or the two columns are a part of a row apart); record every row of the controller",
-        "{} antwortet {:.3g} ± {:.2g} ms vor {}, was keine Strecke tut: diese Zeilen sind langsamer als der Regler, dessen "
-        "Stufen dazwischen fehlen (oder die zwei Spalten sind um einen Teil einer Zeile verschoben); jede Zeile des Reglers "
-        "aufzeichnen",
-        plant.output, -1e3 * delay, 1e3 * kNormal95 * std, plant.input));
-  }
-  return {};
 }
 
 LoopEstimate NearestWay(const ClosedLoopPlant& plant, const LoopEstimate& estimate,

@@ -74,11 +74,6 @@ struct TransferFitOptions {
 Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
                                 const TransferModel& model, const TransferFitOptions& options = {});
 
-/// Error (kBadInput) if the output answers before the input, which no plant does: rows of a logger that is slower than the
-/// controller hide where the current stepped in between, and bend poles and dampings by many standard deviations though nothing
-/// is left beside the noise. Columns that are whole rows apart bend none, and pass. `sample_period` in s.
-Status CheckThatItFollows(const ClosedLoopPlant& plant, const LoopEstimate& estimate, double sample_period);
-
 /// The same errors at some parameters for following, with the slopes (by SI units) at others; the parts of the record are the
 /// pieces. Noise is that beside the measured ratio: from the model, parameters that lag behind would take weight from the
 /// frequencies that say so. A Hann window ties neighbouring bins: their errors count as so many fewer independent ones.

@@ -51,7 +51,7 @@ void ReadingFaults::Observe(const SampleBlock& block, const std::vector<ChannelQ
     const double reach = std::isfinite(noise) ? kNoiseReach * noise : 0.0;
     for (std::size_t row = 0; row < block.rows(); ++row) {
       if (block.quality[track.signal][row] != quality::kGood) continue;
-      if (!(std::abs(block.time[row] - track.time) < kRowsBetween * period_)) track.readings = 0;
+      if (!(std::abs(block.time[row] - track.times.back()) < kRowsBetween * period_)) track.readings = 0;
       Follow(block.time[row], block.signal[track.signal][row], reach, track);
     }
   }
@@ -94,7 +94,7 @@ void ReadingFaults::Follow(double time, double value, double reach, Track& track
   std::shift_left(v.begin(), v.end(), 1);
   std::shift_left(track.times.begin(), track.times.end(), 1);
   v.back() = value;
-  track.times.back() = track.time = time;
+  track.times.back() = time;
   track.readings = std::min(track.readings + 1, v.size());
   if (track.readings < v.size()) return;
   const auto step_to = [&](std::size_t i) { return std::abs(v[i] - v[i - 1]); };

@@ -41,10 +41,8 @@ class ReadingFaults {
   static constexpr std::size_t kBeside = 10;
   struct Track {
     std::size_t signal = 0;
-    double time = 0;  ///< s, of the last good reading
-    std::array<double, 2 * kBeside> values{},
-        times{};               ///< SI, s: of the last good ones on end, the newest last
-    std::size_t readings = 0;  ///< so many of them
+    std::array<double, 2 * kBeside> values{}, times{};     ///< SI, s: of the last good readings on end
+    std::size_t readings = 0;                              ///< so many of them, at the end
     std::array<std::int64_t, kBins.count> all{}, sharp{};  ///< steps by size
     std::array<double, kBins.count> first{};               ///< s, of the sharp ones
   };

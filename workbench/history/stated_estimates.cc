@@ -51,8 +51,7 @@ double PeriodOf(const RunInfo& run, const Machine& machine) {
   return period > 0 ? period : machine.live ? machine.live->grid_period : 0;
 }
 
-/// The fit to the last run that was read to its end; nothing where that excites too little, which is told parameter by
-/// parameter.
+/// The fit to the last run that was read to its end; nothing where that excites too little, which each parameter tells.
 Status FitLastRun(const Database& database, std::int64_t machine_id, const Machine& machine,
                   std::shared_ptr<const ModelStructure> model, const std::vector<RunInfo>& runs,
                   GramFit& figures) {
