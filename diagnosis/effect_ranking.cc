@@ -222,22 +222,23 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     ranked.why_not = why->second;
     return ranked;
   }
-  bool forbidden = false, separable = false;
+  bool forbidden = false, separable = false, excited = false;
   for (const int shape : ShapesFor(strokes_.model(), index, on.choices)) {
     if (!strokes_.Measured({index, shape})) continue;
     ExtendedFit fit = With(on, {index, shape}).fit;
     if (!fit.solved) continue;
     separable = true;
     const EffectEstimate& size = fit.effects.back();
-    // Testable: a size that matters would stand out of the noise.
-    ranked.testable = ranked.testable || options_.min_t * std::max(size.model_std, size.std) <
-                                             options_.matters_times * effect.typical;
+    // Testable: a size that matters would stand out of the noise, and of what the model misses from stroke to stroke.
+    const double matters = options_.matters_times * effect.typical;
+    excited = excited || options_.min_t * size.model_std < matters;
+    ranked.testable = ranked.testable || options_.min_t * std::max(size.model_std, size.std) < matters;
     if (std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; }))
       TakeIfBetter(on, std::move(fit), shape, ranked);
     else
       forbidden = forbidden || !size.admissible;
   }
-  ranked.why_not = WhyNot(ranked, separable, forbidden);
+  ranked.why_not = WhyNot(ranked, {separable, forbidden, excited});
   return ranked;
 }
 
@@ -261,18 +262,23 @@ void EffectRanking::TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int 
   ranked.fit = std::move(fit);
 }
 
-Told EffectRanking::WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const {
-  if (ranked.testable)
-    return ranked.fit.solved ? Told{}
-                             : Tell("it would fit only with a sign or size that physics forbids",
-                                    "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet");
-  if (separable && forbidden && !ranked.fit.solved)
+Told EffectRanking::WhyNot(const RankedEffect& ranked, const Tried& tried) const {
+  const bool only_forbidden = tried.forbidden && !ranked.fit.solved;
+  if (ranked.testable && ranked.fit.solved) return {};
+  if (ranked.testable || (only_forbidden && tried.excited))
+    return Tell("it would fit only with a sign or size that physics forbids",
+                "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet");
+  if (only_forbidden)
     return Tell(
         "it would fit only with a sign or size that physics forbids, and even a large one would hide in the other "
         "parameters",
         "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet, und selbst ein großer verschwände in den "
         "anderen Parametern");
-  if (separable)
+  if (tried.separable && tried.excited)
+    return Tell(
+        "what the model misses differs so from stroke to stroke that even a large one would hide in it",
+        "was dem Modell fehlt, ist von Hub zu Hub so verschieden, dass selbst ein großer darin verschwände");
+  if (tried.separable)
     return Tell("these strokes excite it too little: even a large one would hide in the other parameters",
                 "diese Hübe regen ihn zu wenig an: selbst ein großer verschwände in den anderen Parametern");
   if (strokes_.model().effect_shapes[ranked.effect].empty())

@@ -56,6 +56,8 @@ class EffectRanking {
   EffectRanking(const StrokeSet& strokes, const ExplainOptions& options, double noise_variance)
       : strokes_(strokes), options_(options), noise_(noise_variance) {}
 
+  /// Effect number `effect` of the library on top of a model.
+  RankedEffect Try(const CandidateModel& on, int effect) const;
   /// Every named effect that is not in `on` yet, best first; those that cannot be fitted come last.
   std::vector<RankedEffect> Rank(const CandidateModel& on) const;
   /// Generic laws on top of `on` (ModelStructure::generic_laws), best first.
@@ -92,7 +94,6 @@ class EffectRanking {
   CandidateModel With(const CandidateModel& on, const EffectChoice& choice) const;
 
  private:
-  RankedEffect Try(const CandidateModel& on, int effect) const;
   /// An effect that is the same to first order as another one, and about as good (Effect::twins).
   bool IsTwin(const Contender& candidate, const Contender& best) const;
   /// An admissible fit with `ranked` in a shape of its grid takes the place of one that gains less.
@@ -104,9 +105,14 @@ class EffectRanking {
                             double gain) const;
   /// A twin that explains about as much and misses the limits of what stands out, which the best one just keeps.
   bool IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const;
-  /// Why these strokes cannot test an effect; `separable`: in some shape it is told from the model, `forbidden`: with a size
-  /// that physics forbids.
-  Told WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const;
+  /// How an effect was tried, in any of its shapes.
+  struct Tried {
+    bool separable;  ///< it is told from the model
+    bool forbidden;  ///< with a size that physics forbids
+    bool excited;    ///< a size that matters would stand out if noise were all that the model leaves
+  };
+  /// Why these strokes cannot test an effect.
+  Told WhyNot(const RankedEffect& ranked, const Tried& tried) const;
   void PreferStored(std::vector<RankedEffect>& ranking) const;
   void PreferMeasured(std::vector<RankedEffect>& ranking) const;
   double Cost(const ExtendedFit& fit) const;

@@ -13,6 +13,7 @@
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/moved_parameter.h"
+#include "diagnosis/nameless_rival.h"
 #include "diagnosis/noise_of_halves.h"
 
 namespace hydroscope {
@@ -71,11 +72,8 @@ class Explainer {
   std::optional<CandidateModel> Search(Explanation& out) const;
   void TakeSteps(const CandidateModel& model, Explanation& out) const;
   void AddSharers(const CandidateModel& model, Explanation& out) const;
+  void TestBeside(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
-  void FindMargin(Explanation& out) const;
-  void LookForRival(const CandidateModel& on, const std::vector<EffectChoice>& named, Explanation& out) const;
-  bool IsSame(const RankedEffect& law, const CandidateModel& on,
-              const std::vector<EffectChoice>& named) const;
   void LookForMore(Explanation& out) const;
   void LookForBias(Explanation& out) const;
   void Judge(Explanation& out) const;
@@ -250,6 +248,16 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
   }
 }
 
+/// On the model as it is sizes scatter also by what it misses: what can be told beside what was found can be told.
+void Explainer::TestBeside(const CandidateModel& model, Explanation& out) const {
+  for (RankedEffect& ranked : out.ranking) {
+    if (ranked.testable || !ranked.fit.solved || options_.untestable.contains(ranked.id)) continue;
+    if (!ranking_.Try(model, ranked.effect).testable) continue;
+    ranked.testable = true;
+    ranked.why_not = {};
+  }
+}
+
 /// The right law leaves no scraps for another to pick up.
 void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) const {
   if (IsBelowFloor(model.fit)) return;
@@ -258,52 +266,6 @@ void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) con
     out.remainder = further.front().gain;
     out.remainder_law = further.front().id;
   }
-}
-
-/// Generic laws stand for effects that are not in the library. One that explains the error as well as what
-/// was found, or as one of two effects beside the other, and is not much the same as that effect, shows that the name rests on
-/// what happens to be in the library.
-void Explainer::FindMargin(Explanation& out) const {
-  out.margin = std::numeric_limits<double>::infinity();
-  const auto started = static_cast<std::size_t>(out.started);
-  const bool single = out.chosen.size() == started + 1;
-  if (!single) LookForRival(start_, {}, out);
-  for (std::size_t k = started; k < out.chosen.size(); ++k) {
-    CandidateModel others{out.chosen, {}};
-    others.choices.erase(others.choices.begin() + static_cast<std::ptrdiff_t>(k));
-    others.fit = strokes_.Fit(others.choices);
-    std::vector<EffectChoice> named = {out.chosen[k]};
-    if (single)
-      for (const RankedEffect& r : out.ranking)
-        if (r.fit.solved && Contains(out.groups.front(), r.id)) named.push_back(r.fit.effects.back().choice);
-    if (others.fit.solved) LookForRival(others, named, out);
-  }
-}
-
-/// The best generic law on top of `on` that is not much the same as one of `named`, if it comes closer than those before.
-void Explainer::LookForRival(const CandidateModel& on, const std::vector<EffectChoice>& named,
-                             Explanation& out) const {
-  for (const RankedEffect& law : ranking_.RankGeneric(on)) {
-    if (!law.fit.solved) return;
-    if (IsSame(law, on, named)) continue;
-    const double margin = ranking_.Gain(law.fit, out.final);
-    if (margin >= out.margin) return;
-    out.margin = margin;
-    out.margin_law = law.id;
-    return;
-  }
-}
-
-/// Little of the law is left beside an effect that may be the one.
-bool Explainer::IsSame(const RankedEffect& law, const CandidateModel& on,
-                       const std::vector<EffectChoice>& named) const {
-  const Effect& effect = *strokes_.model().effects[law.effect];
-  const double least =
-      (effect.plain_flow ? options_.same_flow : options_.same_law) * law.fit.effects.back().independent;
-  return std::any_of(named.begin(), named.end(), [&](const EffectChoice& choice) {
-    const ExtendedFit both = ranking_.With(ranking_.With(on, choice), law.fit.effects.back().choice).fit;
-    return !both.solved || both.effects.back().independent < least;
-  });
 }
 
 /// Near the floor is not at it: a law, named or not, that gains too little for a name but cannot be chance says that something
@@ -402,8 +364,9 @@ Explanation Explainer::Run() {
   }
   TakeSteps(*model, out);
   AddSharers(*model, out);
+  TestBeside(*model, out);
   FindRemainder(*model, out);
-  FindMargin(out);
+  FindMargin(strokes_, options_, start_, ranking_, out);
   Judge(out);
   return out;
 }

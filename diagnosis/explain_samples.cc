@@ -17,6 +17,7 @@
 #include "diagnosis/remainder/tone_search.h"
 #include "diagnosis/remainder/whiteness.h"
 #include "diagnosis/sample_grams.h"
+#include "diagnosis/step_in_place.h"
 #include "diagnosis/testability.h"
 
 namespace hydroscope {
@@ -411,6 +412,26 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
   }
 }
 
+/// What drifts evenly may as well have changed once, where one step leaves less of the error.
+void DoubtDrift(std::span<const StrokeStretches> strokes, const WindowSamples& window, Explanation& out) {
+  if (!out.odd_strokes.empty()) return;
+  for (auto k = static_cast<std::size_t>(out.started); k < out.chosen.size() && !out.set.empty(); ++k) {
+    const Effect& effect = *out.model->effects[out.chosen[k].effect];
+    if (effect.drifting.empty()) continue;
+    const StrokeSet set = StrokesOf(out.model, strokes, window, out.noise_scale)(out.model);
+    const auto step = StepInPlaceOf(set, out, k);
+    if (!step) continue;
+    out.partial = true;
+    out.doubt = Tell(
+        "one step of {0} at {1:.0f} s explains it better than a drift all along: see what happened then, and explain "
+        "the strokes before and after it by themselves",
+        "ein einziger Sprung von {0} bei {1:.0f} s erklärt es besser als ein stetes Wandern: nachsehen, was da geschah, und die "
+        "Hübe davor und danach für sich erklären",
+        step->parameter, strokes[step->stroke].front().begin);
+    return;
+  }
+}
+
 }  // namespace
 
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
@@ -422,7 +443,10 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
   model = WithFewerGeneralLaws(std::move(model), strokes, window, options);
   Explanation out = ExplainAsItIs(model, strokes, window, options);
   AllowForNoise(options, out);
-  if (!IsOwnMachine(*model)) DoubtTime(strokes, options, out);
+  if (!IsOwnMachine(*model)) {
+    DoubtTime(strokes, options, out);
+    DoubtDrift(strokes, window, out);
+  }
   if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
   for (const std::string& id : options.start) {
     ExplainOptions without = options;

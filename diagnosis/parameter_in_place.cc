@@ -32,7 +32,8 @@ Eigen::MatrixXd DirectionsOf(const Explanation& found, const StrokeSet& odd, con
   return directions;
 }
 
-/// How the base model's coefficients move with each of the parameters alone, a column each.
+}  // namespace
+
 Eigen::MatrixXd MovesOf(const ModelStructure& model, std::span<const DerivedParameter> derived) {
   Eigen::MatrixXd gradients(static_cast<Eigen::Index>(derived.size()), model.base_count);
   for (std::size_t p = 0; p < derived.size(); ++p)
@@ -45,8 +46,6 @@ Eigen::MatrixXd MovesOf(const ModelStructure& model, std::span<const DerivedPara
       (scale.asDiagonal() * gradients).completeOrthogonalDecomposition().pseudoInverse();
   return moves;
 }
-
-}  // namespace
 
 ParameterInPlace ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
                                     const ExtendedFit& rest, const ExplainOptions& explain,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <span>
 #include <string>
 
 #include "diagnosis/explain.h"
@@ -19,5 +21,8 @@ struct ParameterInPlace {
 ParameterInPlace ParameterInPlaceOf(const Explanation& found, bool explains, const StrokeSet& odd,
                                     const ExtendedFit& rest, const ExplainOptions& explain,
                                     const OddStrokeOptions& options);
+
+/// How the base model's coefficients move with each of the parameters alone, a column each over all columns of the model.
+Eigen::MatrixXd MovesOf(const ModelStructure& model, std::span<const DerivedParameter> derived);
 
 }  // namespace hydroscope

@@ -42,7 +42,7 @@ void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
     const bool for_good = Uniform(random) < 0.5;
     s.extra = {{"begin", Between(random, 0.1, 0.7)}, {"length", for_good ? 1 : Between(random, 0.08, 0.25)}};
   }
-  if (s.kind == "Q_vn_step") s.extra["until"] = Between(random, 0.15, 0.85);
+  if (s.kind.ends_with("_step")) s.extra["until"] = Between(random, 0.15, 0.85);
   if (s.kind == "stuck" || s.kind == "frozen") {
     s.extra["begin"] = Between(random, 5, 45);
     s.channel = Uniform(random) < 0.5 ? "y_v" : "p_A";
@@ -133,6 +133,9 @@ const std::vector<PlantKind>& PlantKinds() {
       {"Q_vn_drift", kLibrary, {"Q_vn_drift"}, kBothWays},
       {"y_0_drift", kLibrary, {"y_0_drift"}, kBothWays},
       {"Q_vn_step", kRelative, {"Q_vn_drift"}, kBothWays},
+      {"K_step", kRelative, {}, kBothWays},
+      {"V0_step", kRelative, {}, kBothWays},
+      {"y_0_step", kRelative, {}, kBothWays},
       {"pressure_gain", kLibrary, {"pressure_gain"}, kBothWays},
       {"pressure_gain_temperature", kLibrary, {"pressure_gain_temperature"}, kBothWays},
       {"pressure_gain_drift", kLibrary, {"pressure_gain_drift"}, kBothWays},

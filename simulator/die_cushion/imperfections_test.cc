@@ -224,12 +224,23 @@ TEST(Imperfections, ParametersMoveLinearlyOverTheLog) {
               1e-12);
   EXPECT_DOUBLE_EQ(MomentsOf({"V0_drift", 0.1, {}, ""}, 60).At(60, 313, 0).V0_factor, 1.1);
   EXPECT_DOUBLE_EQ(MomentsOf({"Q_vn_drift", 0.02, {}, ""}, 60).At(15, 313, 0).gain, 1.005);
-  const PlantMoments step = MomentsOf({"Q_vn_step", 0.02, {{"until", 0.5}}, ""}, 60);
-  EXPECT_DOUBLE_EQ(step.At(29, 313, 0).gain, 1.02);
-  EXPECT_DOUBLE_EQ(step.At(31, 313, 0).gain, 1);
   EXPECT_DOUBLE_EQ(MomentsOf({"y_0_drift", 0.002, {}, ""}, 60).At(30, 313, 0).y_0_shift, 0.001);
   EXPECT_NEAR(MomentsOf({"spool_null_temperature", 2e-4, {}, ""}, 60).At(30, 323.15, 0).y_0_shift, 0.002,
               1e-15);
+}
+
+TEST(Imperfections, ParametersMoveInOneStep) {
+  using Moment = PlantMoments::Moment;
+  for (const auto& [kind, value] : {std::pair<const char*, double Moment::*>{"K_step", &Moment::K_factor},
+                                    {"V0_step", &Moment::V0_factor},
+                                    {"Q_vn_step", &Moment::gain}}) {
+    const PlantMoments step = MomentsOf({kind, 0.02, {{"until", 0.5}}, ""}, 60);
+    EXPECT_DOUBLE_EQ(step.At(29, 313, 0).*value, 1.02) << kind;
+    EXPECT_DOUBLE_EQ(step.At(31, 313, 0).*value, 1) << kind;
+  }
+  const PlantMoments null = MomentsOf({"y_0_step", 0.02, {{"until", 0.5}}, ""}, 60);
+  EXPECT_DOUBLE_EQ(null.At(29, 313, 0).y_0_shift, 0.02);
+  EXPECT_DOUBLE_EQ(null.At(31, 313, 0).y_0_shift, 0);
 }
 
 TEST(Imperfections, ViscosityMayFallExponentially) {

@@ -110,8 +110,17 @@ PlantMoments::Moment PlantMoments::At(double t, double temperature, std::int64_t
       case kFlowGainDrift:
         moment.gain *= 1 + one.size * part;
         break;
+      case kBulkModulusStep:
+        if (part < one.extras[0]) moment.K_factor += one.size;
+        break;
+      case kVolumeStep:
+        if (part < one.extras[0]) moment.V0_factor += one.size;
+        break;
       case kFlowGainStep:
         if (part < one.extras[0]) moment.gain *= 1 + one.size;
+        break;
+      case kSpoolZeroStep:
+        if (part < one.extras[0]) moment.y_0_shift += one.size;
         break;
       case kExponentialViscosity:
         moment.gain *= 1 + one.size * (1 - std::exp(-one.extras[0] * (temperature - one.extras[1])));
