@@ -74,6 +74,7 @@ class Explainer {
   void AddSharers(const CandidateModel& model, Explanation& out) const;
   void TestBeside(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
+  Told PairThatLeavesLess(const Explanation& out) const;
   void LookForMore(Explanation& out) const;
   void LookForBias(Explanation& out) const;
   void Judge(Explanation& out) const;
@@ -268,6 +269,21 @@ void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) con
   }
 }
 
+/// Why an effect that was found alone is in doubt where it leaves more than the floor may be off: two at once leave less, by more than
+/// a further law may gain. "" if it is not.
+Told Explainer::PairThatLeavesLess(const Explanation& out) const {
+  if (out.groups.size() != 1 || options_.max_effects < 2 || out.final.excess_ratio < options_.floor_error)
+    return {};
+  const auto pair = SearchPairs(out.ranking);
+  if (!pair || !pair->first.fit.solved) return {};
+  const double gain = ranking_.Gain(start_.fit, out.final);
+  if (ranking_.Gain(out.final, pair->first.fit) < options_.doubt_remainder + options_.doubt_share * gain)
+    return {};
+  const std::string &a = pair->second[0].front(), &b = pair->second[1].front();
+  if (Contains(out.groups.front(), a) || Contains(out.groups.front(), b)) return {};
+  return Tell("{} and {} at once leave less", "{} und {} zugleich lassen weniger übrig", a, b);
+}
+
 /// Near the floor is not at it: a law, named or not, that gains too little for a name but cannot be chance says that something
 /// is missing, which may be another law that is not in the library.
 void Explainer::LookForMore(Explanation& out) const {
@@ -337,6 +353,7 @@ void Explainer::Judge(Explanation& out) const {
     return;
   }
   out.doubt = doubts.Of(out, AtFloor(out.final));
+  if (out.doubt.empty()) out.doubt = PairThatLeavesLess(out);
   out.partial = !out.doubt.empty();
   for (const auto& group : out.groups) out.set.push_back(group.front());
   for (const auto& group : out.groups)

@@ -412,24 +412,24 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
   }
 }
 
-/// What drifts evenly may as well have changed once, where one step leaves less of the error.
+/// What may drift evenly may as well have changed once, where one step leaves less of the error.
 void DoubtDrift(std::span<const StrokeStretches> strokes, const WindowSamples& window, Explanation& out) {
   if (!out.odd_strokes.empty()) return;
-  for (auto k = static_cast<std::size_t>(out.started); k < out.chosen.size() && !out.set.empty(); ++k) {
-    const Effect& effect = *out.model->effects[out.chosen[k].effect];
-    if (effect.drifting.empty()) continue;
-    const StrokeSet set = StrokesOf(out.model, strokes, window, out.noise_scale)(out.model);
-    const auto step = StepInPlaceOf(set, out, k);
-    if (!step) continue;
-    out.partial = true;
-    out.doubt = Tell(
-        "one step of {0} at {1:.0f} s explains it better than a drift all along: see what happened then, and explain "
-        "the strokes before and after it by themselves",
-        "ein einziger Sprung von {0} bei {1:.0f} s erklärt es besser als ein stetes Wandern: nachsehen, was da geschah, und die "
-        "Hübe davor und danach für sich erklären",
-        step->parameter, strokes[step->stroke].front().begin);
-    return;
-  }
+  for (std::size_t group = 0; group < out.groups.size(); ++group)
+    for (const auto& effect : out.model->effects) {
+      if (effect->drifting.empty() || !Contains(out.groups[group], effect->id)) continue;
+      const StrokeSet set = StrokesOf(out.model, strokes, window, out.noise_scale)(out.model);
+      const auto step = StepInPlaceOf(set, out, static_cast<std::size_t>(out.started) + group, *effect);
+      if (!step) continue;
+      out.partial = true;
+      out.doubt = Tell(
+          "one step of {0} at {1:.0f} s explains it better: see what happened then, and explain "
+          "the strokes before and after it by themselves",
+          "ein einziger Sprung von {0} bei {1:.0f} s erklärt es besser: nachsehen, was da geschah, und die "
+          "Hübe davor und danach für sich erklären",
+          step->parameter, strokes[step->stroke].front().begin);
+      return;
+    }
 }
 
 }  // namespace

@@ -26,19 +26,18 @@ Eigen::MatrixXd FreeDirections(const StrokeSet& strokes, const ExtendedFit& fit)
 
 }  // namespace
 
-std::optional<StepInPlace> StepInPlaceOf(const StrokeSet& strokes, const Explanation& found,
-                                         std::size_t drift) {
+std::optional<StepInPlace> StepInPlaceOf(const StrokeSet& strokes, const Explanation& found, std::size_t at,
+                                         const Effect& drift) {
   const ModelStructure& model = strokes.model();
-  const std::string& drifting = model.effects[found.chosen[drift].effect]->drifting.english;
   std::vector<EffectChoice> others = found.chosen;
-  others.erase(others.begin() + static_cast<std::ptrdiff_t>(drift));
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(at));
   const ExtendedFit without = strokes.Fit(others);
   if (!without.solved) return std::nullopt;
   const std::vector<DerivedParameter> derived = model.derive(without.theta.head(model.base_count));
-  const auto parameter = std::ranges::find(derived, drifting, &DerivedParameter::name);
+  const auto parameter = std::ranges::find(derived, drift.drifting.english, &DerivedParameter::name);
   if (parameter == derived.end()) return std::nullopt;
 
-  const Eigen::VectorXd error = ErrorWeights(model, without), with_drift = ErrorWeights(model, found.final);
+  const Eigen::VectorXd error = ErrorWeights(model, without), as_chosen = ErrorWeights(model, found.final);
   const Eigen::MatrixXd free = FreeDirections(strokes, without);
   const Eigen::VectorXd move = MovesOf(model, derived).col(parameter - derived.begin());
   const std::vector<std::size_t> usable = strokes.Usable(found.chosen);
@@ -51,7 +50,7 @@ std::optional<StepInPlace> StepInPlaceOf(const StrokeSet& strokes, const Explana
                             0};
   equations.h.topLeftCorner(count, count) = free.transpose() * whole * free;
   equations.g.head(count) = free.transpose() * (whole * error);
-  double least = with_drift.dot(whole * with_drift);
+  double least = as_chosen.dot(whole * as_chosen);
   std::optional<StepInPlace> best;
   Eigen::MatrixXd after = Eigen::MatrixXd::Zero(whole.rows(), whole.cols());
   for (std::size_t first = of_each.size() - 1; first > 0; --first) {

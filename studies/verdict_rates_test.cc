@@ -144,6 +144,16 @@ TEST(VerdictRates, ALawThatFitsAtALimitOfItsValueOnlyIsNoRival) {
   EXPECT_THAT(x.set, testing::Not(testing::Contains("leakage_temperature")));
 }
 
+/// Both bend the flow with the opening, and a spool's reading that is not linear nearly does so alone.
+TEST(VerdictRates, AnEffectThatExplainsLessThanTwoAtOnceIsInDoubt) {
+  PressOptions options = OfCampaign(613041, 116, 0.5, false);
+  options.effects = {{"valve_flow_curvature", 0.116, {}}, {"tank_back_pressure", 7.82e11, {}}};
+  const Explanation x = Explained(options);
+  EXPECT_THAT(x.set, testing::ElementsAre("spool_nonlinearity"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_EQ(x.doubt.english, "valve_flow_curvature and tank_back_pressure at once leave less");
+}
+
 /// The guard itself: 11 of 24 as this was written, 4 of them where a verdict asks for twice the evidence.
 TEST(VerdictRates, EffectsThatAreJustSeenAreFoundAndAreNotWithTwiceTheThreshold) {
   std::vector<Log> logs;
