@@ -73,7 +73,7 @@ namespace alarm_machine {
 Events Observe(AlarmState& alarm, const AlarmSettings& settings, const AlarmCondition& condition,
                const AlarmMoment& now) {
   const double sign = condition.high ? 1.0 : -1.0, beyond = sign * (condition.value - condition.limit);
-  const bool on = beyond >= 0, off = beyond < -settings.deadband * condition.std;
+  const bool on = beyond >= 0, off = beyond < -settings.deadband * condition.scatter.value_or(condition.std);
   const Step step(alarm, now);
   if (!alarm.active) {
     alarm.on_count = on ? alarm.on_count + 1 : 0;

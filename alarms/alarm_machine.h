@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct AlarmCondition {
   AlarmCause cause = {};
   AlarmWords words = {};
   std::vector<std::string> quantities = {};  ///< parameters and effects it speaks of
+  /// SI, what the deadband is counted in where `std` holds more than changes from stroke to stroke; nothing: `std`.
+  std::optional<double> scatter = {};
 
   /// One sentence is all there is to say.
   void Say(Told sentence) {

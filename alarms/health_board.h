@@ -3,13 +3,16 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "alarms/health.h"
+#include "core/records/estimate_statement.h"
 
 namespace hydroscope {
 
-/// What the running service knows of the health of its axes, told by those who judge and store, read by all
-/// feeds, so that none of them can say something else. Safe from every thread.
+/// What the running service knows of the health of its axes, and of how their estimates are stated, told by those who judge and
+/// store, read by all feeds, so that none of them can say something else. Safe from every thread.
 class HealthBoard {
  public:
   /// What keeps the service from storing (`kStoring`) or judging (`kJudging`): it makes every axis F.
@@ -22,6 +25,16 @@ class HealthBoard {
   void TellAxis(const std::string& machine, Health health) {
     std::lock_guard lock(mutex_);
     axes_[machine] = std::move(health);
+  }
+  void TellStatements(const std::string& machine, std::vector<EstimateStatement> statements) {
+    std::lock_guard lock(mutex_);
+    statements_[machine] = std::move(statements);
+  }
+  /// How estimates of an axis are stated; none: as they are stored.
+  std::vector<EstimateStatement> StatementsOf(const std::string& machine) const {
+    std::lock_guard lock(mutex_);
+    const auto found = statements_.find(machine);
+    return found == statements_.end() ? std::vector<EstimateStatement>{} : found->second;
   }
   /// Of an axis nobody has spoken of: function check, nothing known.
   Health Of(const std::string& machine) const {
@@ -44,6 +57,7 @@ class HealthBoard {
   mutable std::mutex mutex_;
   ServiceTrouble storing_, judging_;
   std::map<std::string, Health> axes_;
+  std::map<std::string, std::vector<EstimateStatement>> statements_;
 };
 
 }  // namespace hydroscope

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/records/alarm_records.h"
+#include "core/records/estimate.h"
 #include "core/short_number.h"
 #include "core/time_text.h"
 #include "host/output.h"
@@ -47,7 +48,8 @@ Json RowJson(const ScadaRow& r) {
           {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", r.value}};
 }
 
-/// Why a parameter's value is not of the last stroke or episode (registers do not say which it is); "" if it is.
+/// Why a parameter's value is not of the last stroke or episode (registers do not say which it is), or is not to be trusted; "" if
+/// neither.
 std::string QualityText(int quality) {
   static constexpr std::array kReasons = {"",
                                           "nothing yet",
@@ -57,6 +59,8 @@ std::string QualityText(int quality) {
                                           "last estimate outside physics",
                                           "poor signals"};
   if (quality == 0) return "";
+  if (quality == static_cast<int>(EstimateReason::kConfounded))  // of an older value, or of a new one
+    return "  not to be told from others, or from what strokes do not show";
   const bool known = quality > 0 && quality < static_cast<int>(kReasons.size());
   return fmt::format("  older: {}", known ? kReasons[static_cast<std::size_t>(quality)] : "never identified");
 }

@@ -23,6 +23,7 @@
 #include "live/service_socket.h"
 #include "live/surveillance.h"
 #include "live/valve_checks.h"
+#include "models/doubled_signals.h"
 #include "page/page_server.h"
 
 namespace hydroscope {
@@ -174,6 +175,8 @@ Result<End> Run(ServeArguments& a) {
     return AnswerTools(request, surveillance, checks);
   };
   const auto page = TRY(PageServer::OpenForService(page_options));
+  for (const DoubledSignals& doubled : DoubledSignalsOf(service.machine()))
+    if (doubled.live) LogWarning("signals_from_one_place", {{"why", doubled.text.english}});
   TRY(service.Start());
   checks.Start();
   surveillance.Start();

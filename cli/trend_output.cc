@@ -18,6 +18,7 @@
 #include "host/output.h"
 #include "host/text_sink.h"
 #include "models/parameter_unit.h"
+#include "workbench/fit_output.h"
 #include "workbench/history/trend_summary.h"
 
 namespace hydroscope {
@@ -46,10 +47,14 @@ DisplayUnit ShownUnitOf(const TrendSummary& s) {
   return ParameterUnit(KindOfSummary(s), s.parameter, s.unit);
 }
 
+/// Of the change; nothing where a percentage says nothing.
+std::optional<double> PercentOf(const TrendSummary& s) {
+  return ToldInPercent(KindOfSummary(s), s.parameter, s.unit) ? s.change->Percent() : std::nullopt;
+}
+
 std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
   if (!s.change) return fmt::format("too few {}", counted.many);
-  const auto percent =
-      ToldInPercent(KindOfSummary(s), s.parameter, s.unit) ? s.change->Percent() : std::optional<double>();
+  const auto percent = PercentOf(s);
   const DisplayUnit unit = ShownUnitOf(s);
   const double value = percent ? *percent : s.change->value * unit.factor;
   const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
@@ -140,9 +145,7 @@ std::string Reasons(const std::vector<TrendSummary>& summaries, const CountedWor
 std::string StatedText(const MachineTrends& trends) {
   std::string text;
   for (const TrendSummary& s : trends.summaries)
-    if (s.confounded)
-      text += fmt::format("{}: {}; {}\n", s.parameter, s.confounded->reason.english,
-                          s.confounded->advice.english);
+    if (!s.not_trusted.empty()) text += fmt::format("{}: {}\n", s.parameter, s.not_trusted.english);
   if (!text.empty()) text = "\nNot identifiable\n" + text;
   if (!trends.assumed.empty()) text += "\n";
   for (const AssumedTolerance& assumed : trends.assumed) text += AssumedText(assumed) + "\n";
@@ -204,8 +207,11 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
                         {"updated", s.updated},
                         {"reason", ReasonName(s.latest.reason)},
                         {"change", nullptr}};
-  if (s.confounded) {
+  if (!s.not_trusted.empty()) {
     if (s.latest.reason == EstimateReason::kUpdated) out["reason"] = ReasonName(EstimateReason::kConfounded);
+    out["why"] = s.not_trusted.english;
+  }
+  if (s.confounded) {
     out.update({{"confounded_with", s.confounded->effects},
                 {"confounded_bias", s.confounded->bias},
                 {"why", s.confounded->reason.english},
@@ -215,7 +221,7 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
   out["change"] = {
       {"value", s.change->value}, {"std", s.change->std},           {"significant", s.change->significant},
       {"hint", s.change->hint},   {"with_oil", s.change->with_oil}, {"p", s.change->p}};
-  if (const auto percent = s.change->Percent()) {
+  if (const auto percent = PercentOf(s)) {
     out["change"]["percent"] = *percent;
     out["change"]["percent_std"] = *s.change->PercentStd();
   }
@@ -238,6 +244,7 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
   for (const AlarmState& alarm : trends.alarms)
     alarms.push_back({{"alarm", alarm.id}, {"first_stroke", alarm.first_stroke}});
   return written && sink.Write("\n], \"summary\": " + JsonText(summary, 1) +
+                               ", \"assumed_tolerances\": " + JsonText(AssumedJson(trends.assumed), 1) +
                                ", \"alarms\": " + JsonText(alarms, 1) + "}");
 }
 

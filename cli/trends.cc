@@ -98,6 +98,8 @@ void StateSummaries(const Database& database, const Machine& machine, MachineTre
   for (std::size_t i = 0; i < latest.size(); ++i) {
     TrendSummary& summary = trends.summaries[i];
     summary.latest.std = latest[i].std;
+    if (const EstimateStatement* s = FindStatement(stated->statements, summary.parameter); s != nullptr)
+      summary.not_trusted = s->why;
     if (const Confounding* c = FindConfounding(stated->confounded, summary.parameter))
       summary.confounded = *c;
   }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "cli/commands.h"
 #include "cli/trend_output.h"
@@ -349,6 +350,34 @@ TEST(Sparkline, NoiseStaysNearTheMiddle) {
   const std::string line = Sparkline({1.0, 1.01, 0.99, 1.0}, {0.1, 0.1, 0.1, 0.1}, 4);
   EXPECT_THAT(line, Not(HasSubstr("█")));
   EXPECT_THAT(line, Not(HasSubstr("▁")));
+}
+
+TEST(TrendOutput, AValueNearZeroHasNoPercentagesInJsonEither) {
+  Machine press;
+  press.model = "die_cushion";
+  MachineTrends trends;
+  for (const auto& [name, unit, from] :
+       {std::tuple{"K", "Pa", 1.2e9}, std::tuple{"y_0", "1", 0.008}, std::tuple{"V0", "m3", 2e-3}}) {
+    TrendSummary summary;
+    summary.parameter = name;
+    summary.unit = unit;
+    summary.kind = &KindOf(press);
+    summary.latest = {name, from, 0.01 * from, unit, 1, 0, EstimateReason::kUpdated};
+    summary.change =
+        TrendChange{.value = 0.1 * from, .std = 0.01 * from, .from = from, .from_std = 0.01 * from};
+    trends.summaries.push_back(summary);
+  }
+  trends.summaries[2].not_trusted = Told("the error that is left could be taken for it");
+  const Folder folder;
+  const std::string path = folder.File() + ".json";
+  ASSERT_TRUE(WriteTrendJson(path, {trends}, [](const auto&, const auto&) { return Status(); }));
+  const auto summary = nlohmann::json::parse(FileText(path))["summary"];
+  EXPECT_NEAR(summary[0]["change"]["percent"].get<double>(), 10, 1e-9);
+  EXPECT_FALSE(summary[1]["change"].contains("percent")) << summary[1].dump(1);
+  EXPECT_FALSE(summary[1]["change"].contains("percent_std"));
+  EXPECT_EQ(summary[0]["reason"], "updated");
+  EXPECT_EQ(summary[2]["reason"], "confounded") << "as replay and the report mark it";
+  EXPECT_EQ(summary[2]["why"], "the error that is left could be taken for it");
 }
 
 }  // namespace

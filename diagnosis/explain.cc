@@ -317,11 +317,11 @@ void Explainer::LookForBias(Explanation& out) const {
     out.verdict = Verdict::kUnknown;
     out.small_error = true;
     out.doubt = Tell(
-        "a small error is {0}, too small to name its cause, and {1} hangs on it: it would change by {2:+.0f} % with {3}",
+        "a small error is {0}, too small to name its cause, and {1} hangs on it: it would change by {2} with {3}",
         "ein kleiner Fehler ist {0}, zu klein für den Namen seiner Ursache, "
-        "und {1} hängt an ihm: mit {3} änderte es sich um {2:+.0f} %",
-        sure ? Told("sure", "sicher") : Told("likely", "wahrscheinlich"), moved->name, 100 * moved->share,
-        r.id);
+        "und {1} hängt an ihm: mit {3} änderte es sich um {2}",
+        sure ? Told("sure", "sicher") : Told("likely", "wahrscheinlich"), moved->name,
+        ChangeTold(*strokes_.model().kind, *moved), r.id);
     return;
   }
 }

@@ -4,6 +4,8 @@
 
 #include "core/constants.h"
 #include "core/relative_change.h"
+#include "core/unit_told.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope {
 
@@ -21,9 +23,17 @@ std::optional<MovedParameter> FindMovedParameter(const ModelStructure& model, co
     const auto share = RelativeChange(before.value, std, change);
     const bool leaves = std::abs(change) > kNormal95 * std;
     if (share && (!moved || (leaves && !moved->leaves_interval)))
-      moved = MovedParameter{before.name, *share, leaves};
+      moved = MovedParameter{before.name, *share, leaves, change, before.unit};
   }
   return moved;
+}
+
+Told ChangeTold(const MachineKind& kind, const MovedParameter& moved) {
+  if (ToldInPercent(kind, moved.name, moved.unit))
+    return TellNumber(fmt::format("{:+.0f} %", 100 * moved.share));
+  const DisplayUnit unit = ParameterUnit(kind, moved.name, moved.unit);
+  const Told number = TellNumber(fmt::format("{:+.2g}", moved.change * unit.factor));
+  return unit.name == "-" ? number : Tell("{} {}", "{} {}", number, UnitTold(unit.name));
 }
 
 }  // namespace hydroscope

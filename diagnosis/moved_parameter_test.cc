@@ -49,5 +49,12 @@ TEST(MovedParameter, IsNoneNearZero) {
       FindMovedParameter(TwoParameters(), FitAt(100, 1e-5, 1, 1e-7), FitAt(100, 0.01, 1, 1e-7), 1.0 / 3));
 }
 
+TEST(MovedParameter, OneWhoseZeroIsOneOfManyIsToldInItsUnit) {
+  Machine press;
+  press.model = "die_cushion";
+  EXPECT_EQ(ChangeTold(KindOf(press), {"K", 0.124, true, 1.5e8, "Pa"}).english, "+12 %");
+  EXPECT_EQ(ChangeTold(KindOf(press), {"y_0", 0.5, true, 0.004, "1"}).english, "+0.4 % of stroke");
+}
+
 }  // namespace
 }  // namespace hydroscope

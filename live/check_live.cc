@@ -12,6 +12,7 @@
 #include "core/shown_width.h"
 #include "core/units.h"
 #include "live/inbox.h"
+#include "models/doubled_signals.h"
 #include "models/source_kind.h"
 
 namespace hydroscope {
@@ -125,6 +126,7 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
   for (const auto& source : sources) check.sources.push_back(source->status());
   for (const auto& source : sources) source->Stop();
   check.streams = aligner.streams();
+  const std::vector<DoubledSignals> doubled = DoubledSignalsOf(machine);
   for (const LiveChannel& live : LiveChannels(machine)) {
     const auto signal = static_cast<std::size_t>(live.signal);
     const std::size_t index = static_cast<std::size_t>(live.axis) * signals + signal;
@@ -144,6 +146,8 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     channel.noise_std = seen.noise_std;
     for (const std::int64_t count : seen.flagged) channel.flagged += count;
     AddHints(spec, machine, seen.rows, channel);
+    for (const DoubledSignals& pair : doubled)
+      if (pair.live && pair.second == live.signal) channel.hints.push_back(pair.text.english);
     check.channels.push_back(std::move(channel));
   }
   return check;

@@ -20,11 +20,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kWatchRound(100);
 constexpr std::chrono::milliseconds kAfterError(2000);  // until the next try
-constexpr int kNice = 10;           ///< strokes that are stored can wait, those that end cannot
-constexpr double kLookEvery = 0.5;  ///< s between looks at channels
-constexpr double kSilence = 2.0;    ///< s a channel may be stale before that is told
-constexpr double kStart = 15.0;     ///< s after the start in which senders may be found
-constexpr double kIdle = 60.0;      ///< s without a stroke
+constexpr int kNice = 10;                     ///< strokes that are stored can wait, those that end cannot
+constexpr double kLookEvery = 0.5;            ///< s between looks at channels
+constexpr double kSilence = 2.0;              ///< s a channel may be stale before that is told
+constexpr double kStart = 15.0;               ///< s after the start in which senders may be found
+constexpr double kIdle = 60.0;                ///< s without a stroke
+constexpr double kShareForStatements = 0.05;  ///< of a core, for how estimates are stated
 constexpr AlarmSettings kAtOnce{1, 1, 0, false};
 
 double Wall(HostTime now) { return Seconds(now.wall_ns); }
@@ -91,7 +92,7 @@ void DriftWatch::Run() {
       if (stop_) return;
       if (replacement_) {
         press_ = std::move(replacement_);
-        for (Axis& axis : axes_) axis.idle = axis.checked = false;  // said anew
+        for (Axis& axis : axes_) axis.idle = axis.checked = false, axis.stated = -1;  // said anew
       }
     }
     const HostTime now = clock_();
@@ -101,6 +102,7 @@ void DriftWatch::Run() {
       done = Look(now);
     }
     Publish(done);
+    if (done) StateNext(now);
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, done ? kWatchRound : kAfterError, [this] { return stop_; });
   }
@@ -204,6 +206,25 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
                 : !unusable.empty() ? NothingOfUse(unusable)
                                     : AtAnotherRate(there));
   return Tell(index, "no_samples", condition, now);
+}
+
+/// Of one axis where it is due, as replay and `trends` state them; what cannot be read now stands as it was and is asked later.
+void DriftWatch::StateNext(HostTime now) {
+  if (!inputs_.board || now.monotonic_ns < state_after_) return;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const std::size_t index = (state_from_ + k) % axes_.size();
+    Axis& axis = axes_[index];
+    if (axis.stated >= 0 && axis.strokes - axis.stated < AxisMonitor::kStrokesPerStatement) continue;
+    const AxisMonitor& monitor = press_->axis(static_cast<int>(index));
+    if (auto statements = monitor.Statements())
+      inputs_.board->TellStatements(monitor.name(), std::move(*statements));
+    axis.stated = axis.strokes;
+    state_from_ = index + 1;
+    const std::int64_t after = clock_().monotonic_ns;
+    state_after_ = after + static_cast<std::int64_t>(static_cast<double>(after - now.monotonic_ns) /
+                                                     kShareForStatements);
+    return;
+  }
 }
 
 void DriftWatch::Publish(const Status& done) {

@@ -23,7 +23,7 @@ class DriftWatch {
   struct Inputs {
     std::function<LiveStatus()> status;
     std::function<int()> checked_axis;             ///< -1: none
-    std::shared_ptr<HealthBoard> board = nullptr;  ///< is told the health of each axis
+    std::shared_ptr<HealthBoard> board = nullptr;  ///< is told health and statements of each axis
   };
   DriftWatch(std::unique_ptr<PressMonitor> press, Inputs inputs, Clock clock);
   ~DriftWatch() { Stop(); }
@@ -43,6 +43,7 @@ class DriftWatch {
     std::int64_t changed = 0;  ///< ns, monotonic, when `strokes` last grew
     std::int64_t rows = 0;
     std::int64_t silent_since = 0;  ///< ns, monotonic; 0: nothing is missing
+    std::int64_t stated = -1;  ///< `strokes` when it was last asked how its estimates are stated; -1: never
     bool idle = false, checked = false;
   };
   void Run();
@@ -51,6 +52,7 @@ class DriftWatch {
   Status LookForSilence(int index, const LiveStatus& live, HostTime now);
   Status LookForSecondSender(int index, const LiveStatus& live, HostTime now);
   Status Tell(int index, const char* alarm, const std::optional<AlarmCondition>& condition, HostTime now);
+  void StateNext(HostTime now);
   void Publish(const Status& done);
 
   std::unique_ptr<PressMonitor> press_;
@@ -58,6 +60,8 @@ class DriftWatch {
   Clock clock_;
   std::vector<Axis> axes_;
   std::int64_t looked_ = 0;
+  std::size_t state_from_ = 0;    ///< axis that is asked first how its estimates are stated
+  std::int64_t state_after_ = 0;  ///< ns, monotonic, before which none is
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   DriftWatchStatus status_;

@@ -64,5 +64,21 @@ TEST_F(DriftWatchTest, SamplesThatAreOfNoUseAreNoSamples) {
   EXPECT_THAT(rows[2].event.text, HasSubstr("no usable samples of axis_1/p_A"));
 }
 
+TEST_F(DriftWatchTest, TellsTheBoardHowEstimatesOfEveryAxisAreStated) {
+  const auto board = std::make_shared<HealthBoard>();
+  DriftWatch watch(Open(), {[this] { return Live(); }, [] { return -1; }, board}, [this] { return Clock(); });
+  watch.Start();
+  const auto told = [&](int axis) {
+    const auto statements = board->StatementsOf(AxisMachineName(machine_, axis));
+    const EstimateStatement* volume = FindStatement(statements, "V0");
+    return volume != nullptr && volume->shared > 0;
+  };
+  for (int k = 0; k < 500 && !(told(0) && told(1)); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  watch.Stop();
+  EXPECT_TRUE(told(0));
+  EXPECT_TRUE(told(1));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -1,5 +1,6 @@
 #include "live/live_status.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "models/parameter_unit.h"
+#include "monitor/statement_json.h"
 
 namespace hydroscope {
 namespace {
@@ -84,13 +86,18 @@ json ChannelJson(const ChannelStatus& c) {
           {"senders", c.senders}};
 }
 
-json AxisJson(const AxisStatus& a) {
+/// `statements`: how the estimates of the axis are stated.
+json AxisJson(const AxisStatus& a, const std::vector<EstimateStatement>& statements) {
   json estimates = json::object();
-  for (const Estimate& e : a.estimates)
-    estimates[e.parameter] = {{"value", JsonNumber(e.value)},
-                              {"std", JsonNumber(e.std)},
-                              {"unit", e.unit},
-                              {"reason", ReasonName(e.reason)}};
+  for (const Estimate& e : a.estimates) {
+    json& estimate = estimates[e.parameter] = {{"value", JsonNumber(e.value)},
+                                               {"std", JsonNumber(e.std)},
+                                               {"unit", e.unit},
+                                               {"reason", ReasonName(e.reason)}};
+    if (const EstimateStatement* s = FindStatement(statements, e.parameter);
+        s != nullptr && s->confounded && e.reason == EstimateReason::kConfounded)
+      estimate["why"] = s->why.english;
+  }
   return {{"name", a.name},
           {"strokes", a.strokes},
           {"last_stroke_s", JsonNumber(a.last_stroke)},
@@ -201,7 +208,7 @@ class Metrics {
 
 json DriftJson(const DriftWatchStatus& drift) {
   json axes = json::array();
-  for (const AxisHealth& a : drift.axes)
+  for (const AxisHealth& a : drift.axes) {
     axes.push_back({{"name", a.name},
                     {"health", std::string(1, a.health.letter())},
                     {"health_reason", HealthReasonName(a.health.reason)},
@@ -211,7 +218,10 @@ json DriftJson(const DriftWatchStatus& drift) {
                     {"commissioning_strokes", a.learned},
                     {"commissioning_needed", a.needed},
                     {"judged_to", a.judged},
-                    {"alarms", a.alarms}});
+                    {"alarms", a.alarms},
+                    {"statements", json::array()}});
+    for (const EstimateStatement& s : a.statements) axes.back()["statements"].push_back(StatementJson(s));
+  }
   return {{"problem", drift.problem.english},
           {"german", {{"problem", drift.problem.german}}},
           {"axes", std::move(axes)}};
@@ -318,6 +328,8 @@ std::string AxesText(const json& axes, const std::string& counted, const Machine
     text += fmt::format("\n{}: {} {}s", Word(a, "name"), Count(a, "strokes"), counted);
     for (const auto& [name, e] : a.at("estimates").items())
       text += fmt::format(", {} {}", name, EstimateShown(kind, name, e));
+    for (const auto& [name, e] : a.at("estimates").items())
+      if (e.contains("why")) text += fmt::format("\n  {} NOT IDENTIFIABLE: {}", name, Word(e, "why"));
     text += "\n ";
     for (const auto& [name, count] : a.at("counters").items())
       if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());
@@ -415,7 +427,11 @@ json StatusJson(const LiveStatus& s) {
   for (const StreamState& stream : s.streams) out["streams"].push_back(StreamJson(stream));
   for (const SenderStatus& sender : s.senders) out["senders"].push_back(SenderJson(sender));
   for (const ChannelStatus& channel : s.channels) out["channels"].push_back(ChannelJson(channel));
-  for (const AxisStatus& axis : s.axes) out["axes"].push_back(AxisJson(axis));
+  for (const AxisStatus& axis : s.axes) {
+    const auto known = std::ranges::find(s.drift.axes, axis.name, &AxisHealth::name);
+    out["axes"].push_back(
+        AxisJson(axis, known == s.drift.axes.end() ? std::vector<EstimateStatement>{} : known->statements));
+  }
   for (const FeedStatus& feed : s.feeds) out["feeds"].push_back(FeedJson(feed));
   out["inbox"] = {{"batches", s.inbox.batches},
                   {"values", s.inbox.values},

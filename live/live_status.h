@@ -51,7 +51,7 @@ struct AxisStatus {
   AlignerCounters counters;
   std::int64_t strokes = 0;         ///< since the start
   double last_stroke = 0;           ///< s since 1970, its end; NaN: none yet
-  std::vector<Estimate> estimates;  ///< of the last stroke
+  std::vector<Estimate> estimates;  ///< of the last stroke, as they are stated (EstimateStatement)
 };
 
 /// Everything the service tells about itself.

@@ -3,6 +3,7 @@
 #include "core/told_error.h"
 #include "live/log.h"
 #include "monitor/promoted_model.h"
+#include "pipeline/geometry_tolerance.h"
 
 namespace hydroscope {
 
@@ -48,6 +49,9 @@ Result<std::unique_ptr<PressMonitor>> Surveillance::MakeJudge() const {
     if (auto stored = StoredAxes(options_.database, machine_, *database);
         stored && stored->size() == axes.size())
       axes = std::move(*stored);
+  for (const Machine& axis : axes)  // the rest of it needs strokes (DriftWatch)
+    if (const auto model = BuildModel(axis))
+      board_->TellStatements(axis.name, ToleranceStatements(axis, **model));
   return PressMonitor::Create(options_.machine_file, machine_.name, std::move(axes), options_.database);
 }
 
@@ -128,7 +132,7 @@ Told Surveillance::WhyNotJudged() const {
   return watch_ ? watch_->status().problem : not_watched_;
 }
 
-/// Health of each axis is what the feeds read: that of the board.
+/// Health of each axis, and how its estimates are stated, are what the feeds read: those of the board.
 DriftWatchStatus Surveillance::Drift() const {
   DriftWatchStatus drift;
   drift.problem = WhyNotJudged();
@@ -136,13 +140,18 @@ DriftWatchStatus Surveillance::Drift() const {
   if (watch_) drift.axes = watch_->status().axes;
   for (int axis = 0; !watch_ && axis < AxisCount(machine_); ++axis)
     drift.axes.push_back({.name = AxisMachineName(machine_, axis), .health = {}, .alarms = {}});
-  for (AxisHealth& axis : drift.axes) axis.health = board_->Of(axis.name);
+  for (AxisHealth& axis : drift.axes) {
+    axis.health = board_->Of(axis.name);
+    axis.statements = board_->StatementsOf(axis.name);
+  }
   return drift;
 }
 
 LiveStatus Surveillance::status() const {
   LiveStatus now = service_.status();
   now.drift = Drift();
+  for (AxisStatus& axis : now.axes)
+    for (Estimate& estimate : axis.estimates) StateEstimate(board_->StatementsOf(axis.name), estimate);
   now.valve_check = checks_.state();
   now.log = NewestLogLines();
   std::lock_guard lock(mutex_);

@@ -33,6 +33,8 @@ struct SourceKind {
   std::string (*write_origin)(const PartSettings& origin) = nullptr;
   /// Notes where a signal's place and the section do not fit each other; nullptr: they always do.
   void (*check)(TableReader& file, const Machine& machine, const SignalSpec& signal) = nullptr;
+  /// Whether two signals of the kind read the same values, at any axes; nullptr: where their places are the same.
+  bool (*overlap)(const Machine& machine, const SignalSpec& a, const SignalSpec& b) = nullptr;
   Delivery (*delivery)(const Machine& machine, const SignalSpec& signal) = nullptr;
   std::string_view
       silent;  ///< what to look at when nothing comes: "are host, port, unit and register right?"

@@ -42,6 +42,14 @@ Told Advice(const drift::DriftFinding& finding, const drift::CountedIn& counted)
   return finding.guidance;
 }
 
+/// What comparing strokes said of it; before that, that its name is a first one.
+Told ComparedText(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
+  if (!finding.compared.text.empty() || !counted.compared) return finding.compared.text;
+  return Tell("Not compared with the {} before it yet: what it is called may change.",
+              "Mit dem, was davor war, noch nicht verglichen: wie es heißt, kann sich ändern.",
+              counted.several);
+}
+
 /// What a finding says of its alarm, but its size and severity.
 AlarmCondition ConditionOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
   const drift::FindingPart& part = finding.parts.front();
@@ -59,7 +67,8 @@ AlarmCondition ConditionOf(const drift::DriftFinding& finding, const drift::Coun
 }  // namespace
 
 AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
-  const Told compared = finding.compared.text.empty() ? Told{} : Tell(" {}", " {}", finding.compared.text);
+  const Told text = ComparedText(finding, counted),
+             compared = text.empty() ? Told{} : Tell(" {}", " {}", text);
   return {NameText(finding),
           Tell("{}: {}.{}", "{}: {}.{}", SinceText(finding, counted), SizesText(finding), compared),
           Advice(finding, counted)};
@@ -67,7 +76,7 @@ AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& c
 
 std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
   std::string text = drift::FindingText(finding, counted) + ". ";
-  if (!finding.compared.text.empty()) text += finding.compared.text.english + " ";
+  if (const Told compared = ComparedText(finding, counted); !compared.empty()) text += compared.english + " ";
   if (finding.compared.cause.kind != CauseKind::kNotSought)
     text += fmt::format("Cause: {}. ", CauseText(finding.compared.cause));
   return text + Advice(finding, counted).english;
@@ -150,8 +159,8 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
       const DisplayUnit unit = ParameterUnit(monitor.model().kind(), quantity.name, quantity.unit);
       const Told counted = drift::CountedInOf(monitor.model().kind()).several;
       condition.Say(Tell(
-          "{} drifts slowly, {:+.3g}{} per 1000 {}; reaches its limit in {:.0f} {} (95 %: {:.0f} to {:.0f})",
-          "{} driftet langsam, {:+.3g}{} je 1000 {}; erreicht seine Grenze in {:.0f} {} (95 %: {:.0f} bis {:.0f})",
+          "{} drifts slowly, {:+.3g}{} per 1000 {}; reaches the size of an alarm in {:.0f} {} (95 %: {:.0f} to {:.0f})",
+          "{} driftet langsam, {:+.3g}{} je 1000 {}; erreicht die Größe eines Alarms in {:.0f} {} (95 %: {:.0f} bis {:.0f})",
           quantity.name, 1000 * found->figures.slope * unit.factor,
           unit.name == "-" ? Told{} : UnitTold(fmt::format(" {}", unit.name)), counted, found->reach.strokes,
           counted, found->reach.low, found->reach.high));
@@ -161,8 +170,8 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
 }
 
 void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monitors,
-                 const drift::RuleBook& rules, const JudgedRecord& stroke, const AlarmMoment& now,
-                 AxisContent& content) {
+                 const std::vector<EstimateStatement>& tolerances, const drift::RuleBook& rules,
+                 const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content) {
   const AlarmSettings settings = AlarmSettingsOf(rules);
   for (const MonitorSpec& spec : monitors)
     for (const Estimate& e : stroke.record.estimates) {
@@ -172,13 +181,20 @@ void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monito
         if (!limit) return;
         const DisplayUnit unit = ParameterUnit(kind, e.parameter, e.unit);
         const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
-        AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
-                                 severity, "",    stroke.sequence, stroke.sequence};
-        condition.Say(Tell("{} is {} {}, {} the limit {} = {:.4g} {}",
-                           "{} liegt bei {} {}, {} der Grenze {} = {:.4g} {}", spec.parameter,
-                           TellNumber(WithInterval(shown(e.value), kNormal95 * e.std * unit.factor)),
-                           UnitTold(unit.name), high ? Tell("above", "über") : Tell("below", "unter"), name,
-                           shown(*limit), UnitTold(unit.name)));
+        Estimate stated = e;
+        StateEstimate(tolerances, stated);
+        AlarmCondition condition{e.value,  stated.std, *limit,          high,           e.unit,
+                                 severity, "",         stroke.sequence, stroke.sequence};
+        condition.scatter = e.std;
+        const bool sure = std::abs(e.value - *limit) > kNormal95 * stated.std;
+        condition.Say(
+            Tell("{} is {} {}, {} the limit {} = {:.4g} {}{}",
+                 "{} liegt bei {} {}, {} der Grenze {} = {:.4g} {}{}", spec.parameter,
+                 TellNumber(WithInterval(shown(e.value), kNormal95 * stated.std * unit.factor)),
+                 UnitTold(unit.name), high ? Tell("above", "über") : Tell("below", "unter"), name,
+                 shown(*limit), UnitTold(unit.name),
+                 sure ? Told()
+                      : Told("; its 95 % interval reaches over it", "; sein 95-%-Intervall reicht darüber")));
         condition.quantities = {spec.parameter};
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));

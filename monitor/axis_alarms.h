@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "alarms/alarm_machine.h"
+#include "core/records/estimate_statement.h"
 #include "core/records/stroke_record.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/rules.h"
@@ -48,10 +49,11 @@ void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& 
                      AxisContent& content);
 void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
                      AxisContent& content);
-/// Limits that the machine file states for the identified values as they are, at any temperature.
+/// Limits that the machine file states for the identified values as they are, at any temperature. `tolerances`: what all strokes
+/// share; it makes uncertain on which side of a limit a value is, and is told, but neither raises nor clears.
 void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monitors,
-                 const drift::RuleBook& rules, const JudgedRecord& stroke, const AlarmMoment& now,
-                 AxisContent& content);
+                 const std::vector<EstimateStatement>& tolerances, const drift::RuleBook& rules,
+                 const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
 /// Strokes of which less than half of the rows could be used.
 void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
 /// `doubtful_reference`: the strokes just learned do not look like those of a healthy machine.

@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "models/machine_kind.h"
+#include "monitor/finding_explanation.h"
+
 namespace hydroscope {
 namespace {
 
@@ -111,6 +116,65 @@ TEST(AlarmWords, AnAlarmThatNoFindingRaisesSaysOneSentenceInBothLanguages) {
   const AlarmState& alarm = content.alarms.front();
   EXPECT_EQ(alarm.text, alarm.words.finding.english);
   EXPECT_TRUE(alarm.words.finding.german.starts_with("nur 20 % der Zeilen")) << alarm.words.finding.german;
+}
+
+TEST(AlarmWords, BeforeStrokesAreComparedTheNameIsAFirstOne) {
+  drift::DriftFinding finding = SofterOil();
+  finding.compared = {};
+  EXPECT_THAT(AlarmTextOf(finding),
+              testing::HasSubstr("Not compared with the strokes before it yet: what it is called "
+                                 "may change."));
+  EXPECT_THAT(WordsOf(finding).evidence.german, testing::EndsWith("wie es heißt, kann sich ändern."));
+  EXPECT_THAT(AlarmTextOf(finding, drift::ValveChecksCounted()),
+              testing::Not(testing::HasSubstr("compared")));
+}
+
+TEST(AlarmWords, AHeadingThatTheComparisonDoesNotCarrySaysWhatItSees) {
+  const drift::DriftFinding finding = SofterOil();
+  EXPECT_EQ(TitleBeside(finding, Verdict::kAdequate, {}, {"V0"}).english,
+            "Change that comparing strokes finds in V0; first taken for: Oil column softer");
+  EXPECT_EQ(TitleBeside(finding, Verdict::kAmbiguous, {"internal_leakage", "external_leakage"}, {}).english,
+            "Change that several effects would explain; first taken for: Oil column softer");
+  EXPECT_TRUE(TitleBeside(finding, Verdict::kAdequate, {}, {"V0", "K"}).empty());
+  EXPECT_TRUE(TitleBeside(finding, Verdict::kAdequate, {}, {}).empty()) << "it tells of a small change alone";
+  EXPECT_TRUE(TitleBeside(finding, Verdict::kAmbiguous, {"entrained_air", "accumulator"}, {}).empty());
+}
+
+TEST(AlarmWords, ChangesOfAParameterWhoseZeroIsOneOfManyAreToldInItsUnit) {
+  drift::DriftFinding finding = SofterOil();
+  finding.parts = {{.quantity = "T_d", .unit = "s", .size = 2e-4, .std = 1e-5, .reference = 1e-3}};
+  EXPECT_THAT(SizesText(finding).english, testing::HasSubstr("%"));
+  finding.parts[0].relative = false;
+  EXPECT_THAT(SizesText(finding).english, testing::Not(testing::HasSubstr("%")));
+}
+
+/// Strokes of V0 = 2 l with a std of 0.1 % each; an area that may be off by 0.5 % makes them all off by as much.
+TEST(JudgeLimits, ATolerancePutsTheSideOfALimitInDoubtButNeitherRaisesNorClears) {
+  Machine press;
+  press.model = "die_cushion";
+  const std::vector<EstimateStatement> tolerances = {{.parameter = "V0", .shared = 0.005, .why = {}}};
+  MonitorSpec spec;
+  spec.parameter = "V0";
+  spec.warn_low = 2e-3;
+  drift::RuleBook rules;
+  rules.warn_delay = 1, rules.clear_delay = 1, rules.deadband = 2;
+  AxisContent content;
+  const auto judge = [&](double value) {
+    StrokeRecord record;
+    record.estimates = {{"V0", value, 2e-6, "m3", 1, 0, EstimateReason::kUpdated}};
+    axis_alarms::JudgeLimits(KindOf(press), {spec}, tolerances, rules,
+                             {record, 7, drift::JudgementReason::kJudged}, {}, content);
+    return content.alarms.front();
+  };
+  AlarmState alarm = judge(1.99e-3);
+  EXPECT_TRUE(alarm.active);
+  EXPECT_NEAR(alarm.std, std::hypot(2e-6, 0.005 * 1.99e-3), 1e-12) << "as the value is stated";
+  EXPECT_THAT(alarm.text,
+              testing::HasSubstr("below the limit warn_low = 2 l; its 95 % interval reaches over it"));
+  EXPECT_TRUE(judge(2.003e-3).active) << "within the deadband of 2 std";
+  EXPECT_FALSE(judge(2.005e-3).active) << "outside the deadband, which tolerances do not widen";
+  alarm = judge(1.9e-3);
+  EXPECT_THAT(alarm.text, testing::EndsWith("warn_low = 2 l")) << "on whatever side of its tolerance";
 }
 
 }  // namespace

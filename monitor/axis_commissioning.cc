@@ -80,7 +80,9 @@ Status AxisMonitor::JudgeWithoutReference(std::int64_t end, double wall) {
         }
         const JudgedRecord judged{stroke.record, stroke.sequence, drift::JudgementReason::kJudged};
         axis_alarms::JudgeSignals(judged, last_, axis);
-        if (!cold) axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, last_, axis);
+        if (!cold)
+          axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, tolerances_, rules_, judged, last_,
+                                   axis);
         Suppress(axis, last_);
         without_reference_to_ = stroke.sequence + 1;
       }

@@ -7,6 +7,8 @@
 #include "models/machine_kind.h"
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
+#include "pipeline/geometry_tolerance.h"
+#include "workbench/history/stated_estimates.h"
 
 namespace hydroscope {
 namespace {
@@ -32,6 +34,7 @@ AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStru
                          const drift::RuleBook& rules, const Database& database, std::string path,
                          std::int64_t machine_id, AlarmJournal& journal)
     : machine_(machine),
+      structure_(model),
       rules_(rules),
       database_(database),
       path_(std::move(path)),
@@ -41,6 +44,18 @@ AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStru
       columns_(model->column_count()),
       valve_(rules) {
   last_.time = last_.oil_temperature = kNaN;
+  if (!machine.monitors.empty()) tolerances_ = ToleranceStatements(machine, *structure_);
+}
+
+Result<std::vector<EstimateStatement>> AxisMonitor::Statements() const {
+  const auto runs = TRY(database_.Runs(machine_id_));
+  const auto end = TRY(database_.EndSequence(machine_id_));
+  const auto trend =
+      end == 0 ? std::vector<TrendPoint>{} : TRY(database_.Trend(machine_id_, "", end - 1, end));
+  std::vector<Estimate> latest;
+  for (const TrendPoint& point : trend) latest.push_back(point.estimate);
+  auto stated = TRY(StateEstimates(database_, machine_id_, machine_, *structure_, runs, latest));
+  return std::move(stated.statements);
 }
 
 hydroscope::Health AxisMonitor::JudgedHealth() const {
@@ -314,7 +329,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
   if (!cold && first_time)
-    axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
+    axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, tolerances_, rules_, judged, now, content);
   Suppress(content, now);
 }
 

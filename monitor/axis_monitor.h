@@ -8,6 +8,7 @@
 
 #include "alarms/alarm_machine.h"
 #include "alarms/health.h"
+#include "core/records/estimate_statement.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/counted_words.h"
@@ -84,6 +85,10 @@ class AxisMonitor {
   };
   /// Of stored strokes first ... first + count - 1; empty while commissioning.
   Result<std::vector<JudgedValue>> JudgedValues(std::int64_t first, std::int64_t count) const;
+  /// How its estimates are stated, as of what is stored now (StateEstimates). Reads and fits some hundred strokes.
+  Result<std::vector<EstimateStatement>> Statements() const;
+  /// Strokes after which it is worth asking anew: it rests on hundreds of them.
+  static constexpr std::int64_t kStrokesPerStatement = 100;
   /// By its alarms and by what can be judged; troubles of the service are not known here.
   hydroscope::Health JudgedHealth() const;
   /// NAMUR NE 107.
@@ -131,6 +136,9 @@ class AxisMonitor {
   void Suppress(AxisContent& content, const AlarmMoment& now);
 
   const Machine& machine_;
+  std::shared_ptr<const ModelStructure> structure_;
+  std::vector<EstimateStatement>
+      tolerances_;  ///< limits are absolute: what all strokes share makes them uncertain
   const drift::RuleBook& rules_;
   const Database& database_;
   std::string path_;

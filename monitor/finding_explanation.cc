@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/contains.h"
 #include "core/interval_text.h"
 #include "core/unit_told.h"
 #include "models/machine_kind.h"
@@ -150,7 +151,41 @@ const Effect* OtherCause(const ChangeResult& result, const drift::DriftFinding& 
   return result.after.FindEffect(result.appeared.front());
 }
 
+/// What a finding is called, and what to do, in place of its rule's words; empty: these stand.
+struct OtherWords {
+  Told title, advice;
+};
+
+OtherWords WordsBeside(const ChangeResult& result, const drift::DriftFinding& finding) {
+  if (const Effect* other = OtherCause(result, finding))
+    return {{other->title, other->german.title}, {other->plain, other->german.plain}};
+  if (InEpisodes(*result.after.log.model->kind)) return {};
+  std::vector<std::string> moved;
+  for (const auto* values : {&result.parameters, &result.effects})
+    for (const ValueChange& v : *values)
+      if (v.significant) moved.push_back(v.name);
+  Told title = TitleBeside(finding, result.after.explanation.verdict, result.after.explanation.set, moved);
+  if (title.empty()) return {};
+  return {std::move(title), Tell("See `hydroscope explain` of the strokes since the change.",
+                                 "`hydroscope explain` der Hübe seit der Änderung ansehen.")};
+}
+
 }  // namespace
+
+Told TitleBeside(const drift::DriftFinding& finding, Verdict verdict, const std::vector<std::string>& set,
+                 const std::vector<std::string>& moved) {
+  const bool seen =
+      std::ranges::any_of(finding.parts, [&](const auto& part) { return Contains(moved, part.quantity); });
+  if (finding.rule.empty() || seen) return {};
+  if (verdict == Verdict::kAmbiguous && !Contains(set, finding.rule))
+    return Tell("Change that several effects would explain; first taken for: {}",
+                "Änderung, die mehrere Effekte erklären würden; zuerst gehalten für: {}", finding.name);
+  if (verdict == Verdict::kAdequate && !moved.empty())
+    return Tell("Change that comparing strokes finds in {}; first taken for: {}",
+                "Änderung, die der Vergleich der Hübe in {} findet; zuerst gehalten für: {}",
+                fmt::to_string(fmt::join(moved, ", ")), finding.name);
+  return {};
+}
 
 drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
                                          const std::string& machine, std::int64_t machine_id,
@@ -175,14 +210,14 @@ drift::FindingExplanation ExplainFinding(const Database& database, const std::st
             {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
-  const Effect* other = OtherCause(*result, finding);
+  OtherWords other = WordsBeside(*result, finding);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate,
           verdict != Verdict::kUnknown,
           CauseOf(*result),
-          other == nullptr ? Told{} : Told(other->title, other->german.title),
-          other == nullptr ? Told{} : Told(other->plain, other->german.plain)};
+          std::move(other.title),
+          std::move(other.advice)};
 }
 
 }  // namespace hydroscope

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "diagnosis/drift/drift_monitor.h"
+#include "diagnosis/explain.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -21,5 +23,10 @@ drift::FindingExplanation ExplainFinding(const Database& database, const std::st
                                          const std::string& machine, std::int64_t machine_id,
                                          const drift::DriftFinding& finding, std::int64_t first_healthy,
                                          std::int64_t end);
+
+/// What a finding is called where the comparison does not see its quantities move, but others (`moved`), or effects of which one
+/// did it (`set`) and none is what its rule is about; "": as its rule names it.
+Told TitleBeside(const drift::DriftFinding& finding, Verdict verdict, const std::vector<std::string>& set,
+                 const std::vector<std::string>& moved);
 
 }  // namespace hydroscope

@@ -67,8 +67,8 @@ Result<SampleBlock> ReadRows(const std::string& log, const Machine& machine, Epi
   auto pass = TRY(PassLog(*reader, machine, nullptr, "reading", hooks));
   if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
   out.period = reader->SamplePeriod();
-  if (const Told& times = reader->counters().time_base; !times.empty())
-    out.warnings.push_back(Tell("{}: {}", "{}: {}", log, times));
+  for (const Told& text : {reader->counters().time_base, reader->counters().twins})
+    if (!text.empty()) out.warnings.push_back(Tell("{}: {}", "{}: {}", log, text));
   out.rows += static_cast<std::int64_t>(rows.time.size());
   out.pass = std::move(pass);
   return rows;

@@ -4,7 +4,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/records/estimate_statement.h"
 #include "models/machine.h"
+#include "models/model_structure.h"
 
 namespace hydroscope {
 
@@ -24,6 +26,9 @@ struct AssumedTolerance {
 /// kAreaTolerance and says which. For what is stated of a parameter by itself, of a log or of a database. What all
 /// strokes share is no change: whoever compares strokes with one another, the drift watch first, leaves it out.
 std::vector<AssumedTolerance> AssumeTolerances(Machine& machine);
+
+/// What the assumed tolerances add to the intervals of the parameters of `model`, that of `machine`: one for each parameter.
+std::vector<EstimateStatement> ToleranceStatements(const Machine& machine, const ModelStructure& model);
 
 /// "A_A has no tolerance in the machine file: 0.5 % assumed, which V0 and Q_vn share in proportion".
 std::string AssumedText(const AssumedTolerance& assumed);

@@ -203,9 +203,10 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
                                                  double period, std::string& note) {
   auto reader = OpenRecording(log, machine);
   if (!reader) return reader;
-  const std::string times = (*reader)->counters().time_base.english;
+  const LogCounters counters = (*reader)->counters();
   reader = AtPeriod(std::move(*reader), period, note);
-  if (!times.empty()) note = note.empty() ? times : times + "; " + note;
+  for (const std::string& text : {counters.time_base.english, counters.twins.english})
+    if (!text.empty()) note = note.empty() ? text : text + "; " + note;
   return reader;
 }
 

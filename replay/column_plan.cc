@@ -3,6 +3,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "core/units.h"
 
@@ -106,26 +107,43 @@ Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::str
   return CheckUnit(layout, plan.time, format.time_unit, "log.time.unit", origin);
 }
 
-void ReportTwins(const LogLayout& layout, const ColumnPlan& plan, LogCounters& counters) {
-  for (const int column : plan.column) {
-    if (column == ColumnPlan::kAbsent) continue;
-    const auto index = static_cast<std::size_t>(column);
-    for (std::size_t twin = index + 1; twin < layout.names.size(); ++twin)
-      if (layout.names[twin] == layout.names[index])
-        AddFinding(counters, {layout.data_line - 1, layout.names[index],
-                              fmt::format("the name again, column {}", twin + 1),
-                              fmt::format("one column of that name; column {} is read", index + 1)});
+void ReportTwins(const LogLayout& layout, const Machine& machine, LogCounters& counters) {
+  std::vector<std::string> names = {machine.log.time_column};
+  for (const SignalSpec& spec : machine.signals)
+    if (!Contains(names, spec.column)) names.push_back(spec.column);
+  for (const std::string& name : names) {
+    const Told text = TwinsText(layout, name);
+    if (text.empty()) continue;
+    const std::vector<std::size_t> twins = layout.FindAll(name);
+    for (auto twin = twins.begin() + 1; twin != twins.end(); ++twin)
+      AddFinding(counters, {layout.data_line - 1, layout.names[*twin],
+                            fmt::format("the name again, column {}", *twin + 1),
+                            fmt::format("one column of that name; column {} is read", twins.front() + 1)});
+    counters.twins = counters.twins.empty() ? text : Tell("{}; {}", "{}; {}", counters.twins, text);
   }
 }
 
 }  // namespace
+
+Told TwinsText(const LogLayout& layout, const std::string& column) {
+  const std::vector<std::size_t> twins = layout.FindAll(column);
+  if (twins.size() < 2) return {};
+  std::vector<std::size_t> numbers;
+  for (const std::size_t twin : twins) numbers.push_back(twin + 1);
+  return Tell(
+      "{} columns are called '{}' ({}): column {} is read; where another is meant, the machine file can name it by its "
+      "number, \"{}\"",
+      "{} Spalten heißen '{}' ({}): gelesen wird Spalte {}; ist eine andere gemeint, kann die Maschinendatei sie mit ihrer "
+      "Nummer nennen, \"{}\"",
+      twins.size(), column, fmt::to_string(fmt::join(numbers, ", ")), numbers.front(), numbers[1]);
+}
 
 Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
                                LogCounters& counters) {
   ColumnPlan plan;
   TRY(PlanTime(layout, machine.log, origin, plan));
   for (const SignalSpec& spec : machine.signals) TRY(PlanSignal(layout, spec, origin, plan, counters));
-  ReportTwins(layout, plan, counters);
+  ReportTwins(layout, machine, counters);
   return plan;
 }
 

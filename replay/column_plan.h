@@ -30,9 +30,13 @@ struct ColumnPlan {
 
 /// Maps the machine's signals onto the columns of a log. Errors: a required column is missing (lists the columns found,
 /// suggests the nearest), an unknown unit, a unit row that contradicts the machine file, no time column and no sample
-/// period. Optional columns that are absent and names that occur twice become findings.
+/// period. Optional columns that are absent and names that occur twice become findings,
+/// the latter LogCounters::twins as well.
 Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
                                LogCounters& counters);
+
+/// "2 columns are called 'p_A' (2, 9): column 2 is read; ..." of a name that means several columns of the log; "" of any other.
+Told TwinsText(const LogLayout& layout, const std::string& column);
 
 /// Converts rows [0, rows) of every signal to SI in place.
 void ConvertToSi(const ColumnPlan& plan, std::size_t rows, SampleBlock& block);

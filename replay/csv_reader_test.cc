@@ -156,6 +156,19 @@ TEST_F(CsvReaderTest, FeedsTwoSignalsFromOneColumn) {
   EXPECT_EQ(flags_[1][1], quality::kMissing);
 }
 
+TEST_F(CsvReaderTest, ColumnsOfOneNameAreToldWithTheOneThatIsRead) {
+  Read("t,p,z,p,t\n1,10,1,70,1\n2,20,2,80,2\n");
+  EXPECT_EQ(values_[0][0], 10);
+  EXPECT_THAT(counters_.twins.english, HasSubstr("2 columns are called 'p' (2, 4): column 2 is read"));
+  EXPECT_THAT(counters_.twins.english, HasSubstr("2 columns are called 't' (1, 5)"));
+  EXPECT_EQ(counters_.findings.size(), 2u);
+  machine_.signals[0].column = "4";
+  machine_.log.time_column = "1";
+  Read("t,p,z,p,t\n1,10,1,70,1\n2,20,2,80,2\n");
+  EXPECT_EQ(values_[0][0], 70) << "a number tells them apart";
+  EXPECT_TRUE(counters_.twins.empty());
+}
+
 TEST_F(CsvReaderTest, MissingColumnNamesTheNearest) {
   Read("t,pA,z\n1,2,3\n2,2,3\n");
   EXPECT_THAT(error_, HasSubstr("no column 'p' for signal 'p'"));

@@ -284,17 +284,25 @@ Status CheckText(std::string_view head, const std::string& origin) {
 }  // namespace
 
 std::optional<std::size_t> LogLayout::Find(std::string_view column) const {
+  const auto all = FindAll(column);
+  return all.empty() ? std::nullopt : std::optional(all.front());
+}
+
+std::vector<std::size_t> LogLayout::FindAll(std::string_view column) const {
+  std::vector<std::size_t> found;
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == column) return i;
+    if (names[i] == column) found.push_back(i);
+  if (!found.empty()) return found;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const HeaderName header = SplitHeader(names[i]);
-    if (!header.unit.empty() && header.name == column) return i;
+    if (!header.unit.empty() && header.name == column) found.push_back(i);
   }
+  if (!found.empty()) return found;
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(column.data(), column.data() + column.size(), number);
-  if (error != std::errc() || end != column.data() + column.size()) return std::nullopt;
-  if (number < 1 || number > names.size()) return std::nullopt;
-  return number - 1;
+  if (error != std::errc() || end != column.data() + column.size()) return {};
+  if (number < 1 || number > names.size()) return {};
+  return {number - 1};
 }
 
 Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, const std::string& origin,

@@ -28,6 +28,8 @@ struct LogLayout {
   /// Column named `column`: the header text, the header text without its "[unit]", or a 1-based number;
   /// nullopt if there is none.
   std::optional<std::size_t> Find(std::string_view column) const;
+  /// All columns that `column` means by the first of these ways that finds one; Find() is the first of them.
+  std::vector<std::size_t> FindAll(std::string_view column) const;
 };
 
 /// Bytes at the beginning of a log that DetectLayout should be given.

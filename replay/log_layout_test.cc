@@ -159,5 +159,16 @@ TEST(DateTime, RefusesWhatIsNone) {
     EXPECT_FALSE(ParseDateTime(text)) << text;
 }
 
+TEST(LogLayout, FindsAllColumnsThatANameMeans) {
+  LogLayout layout;
+  layout.names = {"t", "p [bar]", "p [V]", "z", "z", "Z"};
+  EXPECT_THAT(layout.FindAll("z"), testing::ElementsAre(3, 4)) << "and not one of another case";
+  EXPECT_THAT(layout.FindAll("p"), testing::ElementsAre(1, 2));
+  EXPECT_THAT(layout.FindAll("p [V]"), testing::ElementsAre(2));
+  EXPECT_THAT(layout.FindAll("3"), testing::ElementsAre(2));
+  EXPECT_EQ(layout.Find("p"), 1u);
+  EXPECT_FALSE(layout.Find("q"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -28,6 +28,8 @@ struct LogCounters {
   std::vector<LogFinding> findings;        ///< the first 100
   /// Why rows have times other than their stamps, are fewer than the log has, or readings other than it has; "" if none of these.
   Told time_base;
+  /// Names of the machine file that several columns have, which of these is read and how to choose another; "" if there are none.
+  Told twins;
 };
 
 /// A stream of samples from a file of any size: memory does not grow with the file.

@@ -312,7 +312,9 @@ std::string Parameters(const ExplainResult& result) {
       out += fmt::format("<td class=\"number\">{}</td><td class=\"number\">{}</td>",
                          EscapeText(ParameterWithInterval(kind, before.parameter, after[i].value,
                                                           after[i].std, before.unit)),
-                         moved && before.unit != "1" ? FormatSigned(100 * *moved, 1) + " %" : "");
+                         moved && before.unit != "1" && ToldInPercent(kind, before.parameter, before.unit)
+                             ? FormatSigned(100 * *moved, 1) + " %"
+                             : "");
     }
     out += "</tr>";
   }

@@ -79,11 +79,10 @@ bool HasOil(const Machine& machine, const TrendAnalysis& analysis) {
 }
 
 /// The interval of the newest estimate as it is stated; changes are judged without what all strokes share.
-void StateLatest(const std::vector<Estimate>& stated, ParameterAnalysis& analysis) {
-  const auto known = std::ranges::find(stated, analysis.parameter, &Estimate::parameter);
-  if (!analysis.latest || known == stated.end()) return;
-  const double wider = known->std / analysis.samples.back().std;
-  if (wider > 1) analysis.latest->std *= wider;
+void StateAsStored(const ReportInput& input, ParameterAnalysis& analysis) {
+  const auto known = std::ranges::find(input.latest, analysis.parameter, &Estimate::parameter);
+  if (known != input.latest.end() && !analysis.samples.empty())
+    StateLatest(known->std / analysis.samples.back().std, input.machine, analysis);
 }
 
 Report Prepare(const ReportInput& input) {
@@ -91,7 +90,7 @@ Report Prepare(const ReportInput& input) {
   report.has_oil = HasOil(input.machine, report.analysis);
   for (ParameterAnalysis& analysis : report.analysis.parameters) {
     if (!report.has_oil) analysis.oil.outcome = OilOutcome::kNone;
-    StateLatest(input.latest, analysis);
+    StateAsStored(input, analysis);
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
     report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted, input.alarms));

@@ -150,6 +150,9 @@ std::string StrokesText(const LimitCheck& limits, const CountedWords& counted) {
 
 std::string LimitText(const LimitCheck& limits, const ParameterInfo& info, const CountedWords& counted) {
   const std::string limit = WithUnit(FormatShort(info.Shown(limits.limit)), info);
+  const char* end = !limits.over_now ? "; back inside at the end"
+                    : limits.unsure  ? "; the newest 95&nbsp;% interval reaches back over it"
+                                     : "";
   switch (limits.outcome) {
     case LimitOutcome::kNone:
       return "none in the machine file";
@@ -158,11 +161,9 @@ std::string LimitText(const LimitCheck& limits, const ParameterInfo& info, const
     case LimitOutcome::kIntervalReaches:
       return fmt::format("not touched, but the 95&nbsp;% interval reaches over {}", limit);
     case LimitOutcome::kWarned:
-      return fmt::format("warning limit {} crossed: {}{}", limit, StrokesText(limits, counted),
-                         limits.over_now ? "" : "; back inside at the end");
+      return fmt::format("warning limit {} crossed: {}{}", limit, StrokesText(limits, counted), end);
     case LimitOutcome::kAlarmed:
-      return fmt::format("alarm limit {} crossed: {}{}", limit, StrokesText(limits, counted),
-                         limits.over_now ? "" : "; back inside at the end");
+      return fmt::format("alarm limit {} crossed: {}{}", limit, StrokesText(limits, counted), end);
   }
   return "";
 }
@@ -247,8 +248,10 @@ std::string Reading(Standing standing, const ParameterAnalysis& analysis, const 
   if (standing == Standing::kAlarmed || standing == Standing::kWarned) {
     const char* which = standing == Standing::kAlarmed ? "alarm" : "warning";
     text = fmt::format("It {} the {} limit of the machine file{}. ",
-                       analysis.limits.over_now ? "is beyond" : "was beyond", which,
-                       analysis.limits.over_now ? "" : " for a time");
+                       !analysis.limits.over_now ? "was beyond"
+                       : analysis.limits.unsure  ? "is estimated beyond"
+                                                 : "is beyond",
+                       which, analysis.limits.over_now ? "" : " for a time");
   }
   if (analysis.updated == 0)
     return text + (analysis.why_not

@@ -262,8 +262,9 @@ std::string Parameters(const StatesExplained& e) {
     if (extended) {
       const auto moved =
           known ? RelativeChange(before->value, before->std, now.value - before->value) : std::nullopt;
-      out += fmt::format("<td class=\"number\">{}</td><td class=\"number\">{}</td>", shown(now),
-                         moved ? FormatSigned(100 * *moved, 1) + " %" : "");
+      out += fmt::format(
+          "<td class=\"number\">{}</td><td class=\"number\">{}</td>", shown(now),
+          moved && ToldInPercent(kind, now.parameter, now.unit) ? FormatSigned(100 * *moved, 1) + " %" : "");
     }
     out += "</tr>";
   }

@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "models/machine_file/format.h"
 #include "models/machine_kind.h"
+#include "replay/column_plan.h"
 #include "setup/column_meaning.h"
 #include "setup/kind_columns.h"
 #include "setup/unit_guess.h"
@@ -69,8 +70,10 @@ class Proposer {
     machine().log.time_column = column.reference;
     machine().log.time_unit = guess.unit;
     seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
-    result_.columns.push_back({"time", column.name, guess.unit,
-                               Tell("{}; {}", "{}; {}", time->why, guess.why), time->sure && guess.sure});
+    Told why = Tell("{}; {}", "{}; {}", time->why, guess.why);
+    bool sure = time->sure && guess.sure;
+    AddTwins(column, why, sure);
+    result_.columns.push_back({"time", column.name, guess.unit, why, sure});
     result_.decided.push_back(
         Tell("rows are {:.3g} ms apart", "die Zeilen liegen {:.3g} ms auseinander", seconds_ * 1e3));
     if (seconds_ > kSlowestPeriod)
@@ -185,8 +188,16 @@ class Proposer {
   Told WhyThere(const std::string& signal, const Told& why) const {
     return options_.placed.contains(signal) ? Told("put here by hand", "von Hand hierher gelegt") : why;
   }
+  /// One of several columns of the same name may not be the one that is meant.
+  void AddTwins(const LogColumn& column, Told& why, bool& sure) const {
+    const Told twins = TwinsText(head_.layout, column.reference);
+    if (twins.empty()) return;
+    why = Tell("{}; {}", "{}; {}", why, twins);
+    sure = false;
+  }
   void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, Told why,
                  bool sure) {
+    AddTwins(column, why, sure);
     SignalSpec spec;
     spec.name = name;
     spec.column = column.reference;

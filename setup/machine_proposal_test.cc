@@ -405,5 +405,17 @@ TEST(MachineProposal, ProposesForTheDevelopmentLogsWhatTheirMachineFilesSay) {
   EXPECT_GT(logs, 0);
 }
 
+TEST(MachineProposal, OneOfTwoColumnsOfTheSameNameIsToBeChecked) {
+  const MachineProposal proposal =
+      Propose(PressLog("t,p_A,p_B,p_0,z,y_v,U_v,T_oil,p_A\n",
+                       [](const PressRow& r) { return SiRow(r) + fmt::format(",{:.0f}", 0.3 * r.p_A); }));
+  for (const ProposedColumn& column : proposal.columns) {
+    if (column.signal != "p_A") continue;
+    EXPECT_FALSE(column.sure);
+    EXPECT_THAT(column.why.english, HasSubstr("2 columns are called 'p_A' (2, 9): column 2 is read"));
+  }
+  EXPECT_THAT(proposal.text, HasSubstr("2 columns are called 'p_A'"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 
 #include "core/constants.h"
 #include "core/contains.h"
+#include "models/doubled_signals.h"
 #include "models/machine_kind.h"
 #include "models/state_model.h"
 #include "pipeline/episode_cutter.h"
@@ -232,6 +233,10 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     if (KindOf(machine).has_states) TakeStatesFit(log, check);
     check.hints = PlausibilityHints(check);
   }
+  for (const DoubledSignals& doubled : DoubledSignalsOf(check.machine))
+    check.hints.insert(check.hints.begin(), doubled.text);
+  if (const Told& twins = reader->counters().twins; !twins.empty())
+    check.hints.insert(check.hints.begin(), twins);
   return check;
 }
 

@@ -10,6 +10,7 @@
 #include "core/counted_words.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
+#include "core/relative_change.h"
 #include "core/shell_word.h"
 #include "core/short_number.h"
 #include "core/shown_width.h"
@@ -182,7 +183,7 @@ std::string Identification(const CheckResult& check) {
     if (std::isfinite(half))
       text += fmt::format("{:>21} {:<{}}", WithInterval(p.estimate.value * unit.factor + unit.offset, half),
                           unit.name, unit_width);
-    if (p.estimate.unit != "1" && std::isfinite(half))
+    if (p.estimate.unit != "1" && HalfWidth(p.estimate) <= kMostRelative)  // nor of a value near zero
       text += fmt::format("(± {} %)", ShortNumber(100 * HalfWidth(p.estimate), 2));
     text += "\n";
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);

@@ -111,6 +111,19 @@ void CheckRegisters(TableReader& file, const Machine& machine, const SignalSpec&
                              signal.name, origin.in_ring ? "place" : "register", last, limit));
 }
 
+/// Whether a register of `a` at one axis is one of `b` at the same or another.
+bool RegistersOverlap(const Machine& machine, const SignalSpec& a, const SignalSpec& b) {
+  const ModbusOrigin &one = *a.From<ModbusOrigin>(), &other = *b.From<ModbusOrigin>();
+  if (one.in_ring != other.in_ring) return false;
+  const std::int64_t axes = AxisCount(machine);
+  for (std::int64_t i = 0; i < axes; ++i)
+    for (std::int64_t j = 0; j < axes; ++j) {
+      const std::int64_t first = one.address + i * one.stride, second = other.address + j * other.stride;
+      if (first < second + RegisterCount(other.type) && second < first + RegisterCount(one.type)) return true;
+    }
+  return false;
+}
+
 std::string RingValue(const ModbusRingSpec& ring) {
   Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
   if (ring.time) pairs.emplace_back("time", Plain(*ring.time));
@@ -174,6 +187,7 @@ const SourceKind kModbusSourceKind = {
     .read_origin = ReadModbusOrigin,
     .write_origin = WriteModbusOrigin,
     .check = CheckRegisters,
+    .overlap = RegistersOverlap,
     .delivery = ModbusDelivery,
     .silent = "are host, port, unit and register right?"};
 

@@ -39,7 +39,10 @@ Result<std::vector<AxisPicture>> FeedReader::Axes() {
     axes.push_back(axis ? seen_[machine] = std::move(*axis) : seen_[machine]);
     axes.back().machine = machine;
     axes.back().name = machine.substr(machine.rfind('/') + 1);
-    if (board_) axes.back().health = board_->Of(machine);
+    if (!board_) continue;
+    axes.back().health = board_->Of(machine);
+    const auto statements = board_->StatementsOf(machine);
+    for (TrendPoint& point : axes.back().estimates) StateEstimate(statements, point.estimate);
   }
   if (press_.empty()) return axes;
   auto press = ReadPress();

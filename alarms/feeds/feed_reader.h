@@ -17,12 +17,13 @@ namespace hydroscope {
 
 /// An axis as the outside sees it now; or the press itself, which has alarms but no strokes of its own.
 struct AxisPicture {
-  std::string machine;                ///< "press/cushion_1"
-  std::string name;                   ///< "cushion_1"
-  Health health;                      ///< the answer of HealthBoard, the same in every feed
-  std::vector<AlarmState> alarms;     ///< in order of id
-  std::int64_t strokes = 0;           ///< stored so far
-  std::vector<TrendPoint> estimates;  ///< of the newest stroke, one per parameter; none before the first
+  std::string machine;             ///< "press/cushion_1"
+  std::string name;                ///< "cushion_1"
+  Health health;                   ///< the answer of HealthBoard, the same in every feed
+  std::vector<AlarmState> alarms;  ///< in order of id
+  std::int64_t strokes = 0;        ///< stored so far
+  /// Of the newest stroke, one per parameter, as they are stated (EstimateStatement); none before the first.
+  std::vector<TrendPoint> estimates;
 };
 
 /// The journal and the trend database as one feed reads them, through handles of its own. What is not there

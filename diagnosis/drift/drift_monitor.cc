@@ -270,7 +270,7 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     finding.parts.push_back(
         {quantity.name, quantity.unit, size, m.std, healthy_[m.quantity],
          kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm,
-         quantity.share, quantity.title});
+         quantity.share, quantity.title, quantity.relative});
     finding.alarm = finding.alarm || alarm;
   }
   const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;

@@ -52,6 +52,7 @@ struct FindingPart {
   bool alarm = false;        ///< beyond the alarm change, surely
   bool share = false;        ///< Quantity::share
   Told title = {};           ///< Quantity::title
+  bool relative = true;      ///< Quantity::relative
   bool reversed =
       false;  ///< it has gone to the other side of healthy since; size and std are from before that
 
@@ -67,7 +68,8 @@ struct FindingExplanation {
   bool settled = false;   ///< it names the cause, or names none: more strokes would say the same
   bool described = true;  ///< false: an error is left that no effect explains
   AlarmCause cause = {};  ///< as far as the comparison carries it; not sought if it was not done
-  /// Of a cause that it names and the finding's rule is not about: what it is called, and what to look for in place of `guidance`.
+  /// Where it names a cause that the finding's rule is not about, or sees another change: what the finding is called, and what
+  /// to do in place of `guidance`.
   Told cause_title = {}, advice = {};
 };
 
@@ -100,6 +102,8 @@ struct DriftFinding {
 /// What the numbers of a finding count: one, and several.
 struct CountedIn {
   Told one{"stroke", "Hub"}, several{"strokes", "Hübe"};
+  bool compared =
+      true;  ///< those before and after a change are compared with one another, once there are enough
 };
 /// Strokes; of models with states episodes.
 CountedIn CountedInOf(const MachineKind& kind);

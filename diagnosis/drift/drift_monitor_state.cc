@@ -167,7 +167,11 @@ bool DriftMonitor::RestoreRest(ByteReader& in) {
   for (DriftFinding& finding : findings_)
     for (FindingPart& part : finding.parts)
       for (const Quantity& quantity : model_.quantities())
-        if (quantity.name == part.quantity) part.share = quantity.share, part.title = quantity.title;
+        if (quantity.name == part.quantity) {
+          part.share = quantity.share;
+          part.title = quantity.title;
+          part.relative = quantity.relative;
+        }
   for (Eigen::VectorXd* v : {&explained_, &recent_score_, &doubt_, &healthy_}) {
     *v = GetVector(in);
     if (v->size() != n) return false;

@@ -42,7 +42,7 @@ Told PartText(const FindingPart& part) {
   const Told values =
       Tell("{}{}", "{}{}",
            TellNumber(fmt::format("{:.{}g} -> {:.{}g}", before, digits, before + change, digits)), unit_name);
-  const auto share = RelativeChange(part.reference, part.std, part.size);
+  const auto share = part.relative ? RelativeChange(part.reference, part.std, part.size) : std::nullopt;
   if (share && *share <= -1)
     return Tell("{} beyond anything physical", "{} jenseits alles physikalisch Möglichen", quantity);
   if (share)
@@ -66,7 +66,7 @@ CountedIn CountedInOf(const MachineKind& kind) {
 }
 
 CountedIn ValveChecksCounted() {
-  return {Tell("valve check", "Ventilprüfung"), Tell("valve checks", "Ventilprüfungen")};
+  return {Tell("valve check", "Ventilprüfung"), Tell("valve checks", "Ventilprüfungen"), false};
 }
 
 Told SinceText(const DriftFinding& finding, const CountedIn& counted) {

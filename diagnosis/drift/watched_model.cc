@@ -8,6 +8,7 @@
 #include "estimation/decompositions.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -48,7 +49,8 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
     const DerivedParameter& p = derived[picked];
     const MachineParameter* known = FindParameter(*model->kind, p.name);
     watched.quantities_.push_back({p.name, p.unit, known != nullptr ? known->over_oil : OilLaw::kSmooth,
-                                   false, p.unit == "1" && known != nullptr && !known->relative});
+                                   false, p.unit == "1" && known != nullptr && !known->relative, Told(),
+                                   ToldInPercent(*model->kind, p.name, p.unit)});
   }
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];

@@ -21,6 +21,7 @@ struct Quantity {
   bool effect = false;  ///< reference is zero
   bool share = false;  ///< of a whole, as a spool position is of its stroke: changes are told in its per cent
   Told title = {};     ///< of an effect: what people call it
+  bool relative = true;  ///< changes are told in per cent of the value (ToldInPercent)
 };
 
 /// What one stroke says, apart from all others: its own normal equations over the watched columns, sensor

@@ -7,14 +7,17 @@
 
 #include "core/constants.h"
 #include "core/json_value.h"
+#include "core/records/reason_told.h"
 #include "core/relative_change.h"
 #include "core/time_text.h"
 #include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
+#include "monitor/statement_json.h"
 #include "page/watch/trend_cache.h"
 #include "storage/valve_check_words.h"
+#include "workbench/history/stated_estimates.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -140,6 +143,23 @@ Status WatchedMachine::ReadValveChecks() {
   return {};
 }
 
+/// As a running service states them; else as the database has it, asked anew after as many strokes as there.
+Status WatchedMachine::StateLatest(const nlohmann::json& told, std::vector<TrendPoint>& latest) {
+  if (told.is_object() && told.contains("statements")) {
+    statements_.clear();
+    for (const nlohmann::json& statement : told["statements"]) statements_.push_back(StatementOf(statement));
+  } else if (!latest.empty() && (stated_to_ < 0 || end_ - stated_to_ >= AxisMonitor::kStrokesPerStatement)) {
+    const auto runs = TRY(sources_.database.Runs(id_));
+    std::vector<Estimate> stored;
+    for (const TrendPoint& point : latest) stored.push_back(point.estimate);
+    if (auto stated = StateEstimates(sources_.database, id_, machine_, *model_, runs, stored))
+      statements_ = std::move(stated->statements);
+    stated_to_ = end_;
+  }
+  for (TrendPoint& point : latest) StateEstimate(statements_, point.estimate);
+  return {};
+}
+
 Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest) {
   parameters_.clear();
   for (const TrendPoint& point : latest) {
@@ -218,13 +238,18 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
       const auto bins = TRY(end_ > TrendCache::kMostRead
                                 ? GlancedBins(sources_.path, id_, name, 0, end_, width, kSparkGlance)
                                 : sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance));
+      const EstimateStatement* statement = FindStatement(statements_, name);
+      const bool marked =
+          estimate->reason == EstimateReason::kConfounded && statement != nullptr && statement->confounded;
+      const Told why = marked ? statement->why : Told(ReasonTold(estimate->reason));
       nlohmann::json spark = nlohmann::json::array();
       for (const TrendBin& bin : bins) spark.push_back(JsonNumber(bin.mean));
       json.update({{"trend", true},
                    {"value", JsonNumber(estimate->value)},
                    {"std", JsonNumber(estimate->std)},
                    {"reason", ReasonName(estimate->reason)},
-                   {"reason_text", ReasonText(estimate->reason)},
+                   {"reason_text", why.english},
+                   {"german", {{"reason_text", why.german}}},
                    {"spark", std::move(spark)}});
     }
     list.push_back(std::move(json));
@@ -274,6 +299,7 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
   if (model_ != nullptr) {  // first strokes make another object (Watcher)
     latest = TRY(sources_.database.Trend(id_, "", end_ - 1, end_));
   }
+  TRY(StateLatest(told, latest));
   TRY(DescribeParameters(latest));
   auto parameters = TRY(ParametersJson(latest));
   const double last = latest.empty() ? kNaN : latest.front().time;

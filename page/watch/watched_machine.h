@@ -73,6 +73,7 @@ class WatchedMachine {
   explicit WatchedMachine(const Sources& sources) : sources_(sources) {}
   Status ReadRuns();
   Status ReadValveChecks();
+  Status StateLatest(const nlohmann::json& told, std::vector<TrendPoint>& latest);
   Status DescribeParameters(const std::vector<TrendPoint>& latest);
   Result<nlohmann::json> ParametersJson(const std::vector<TrendPoint>& latest) const;
   nlohmann::json ReferenceJson(const std::string& parameter,
@@ -92,6 +93,8 @@ class WatchedMachine {
   std::unique_ptr<AxisMonitor> monitor_;
   std::string not_looked_;  ///< why the monitor could not be read
   std::map<std::string, WatchedParameter> parameters_;
+  std::vector<EstimateStatement> statements_;  ///< how estimates are stated
+  std::int64_t stated_to_ = -1;                ///< strokes there were when that was asked here; -1: never
   std::vector<TrendMark> marks_;
   AxisPicture picture_;
   nlohmann::json json_;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "monitor/press_monitor_fixture.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -22,6 +25,41 @@ TEST(WatchedMachine, MayBeLookedAtFromBeforeItsFirstStrokeOn) {
   EXPECT_OK((*watched)->Refresh({}));
   EXPECT_EQ((*watched)->end(), 3);
   EXPECT_TRUE((*watched)->json()["parameters"].empty()) << "another object knows the model";
+}
+
+using WatchedAxisTest = press_monitor_test::PressMonitorTest;
+
+double StdOf(const WatchedMachine& watched, const std::string& parameter) {
+  for (const nlohmann::json& p : watched.json()["parameters"])
+    if (p["parameter"] == parameter) return p["std"].get<double>();
+  ADD_FAILURE() << "no " << parameter;
+  return 0;
+}
+
+TEST_F(WatchedAxisTest, StatesEstimatesAsTrendsDoesAndARunningServiceAsThat) {
+  const auto& healthy = press_monitor_test::Healthy();
+  Store(0, {healthy.begin(), healthy.begin() + 30});
+  const std::string name = AxisMachineName(machine_, 0);
+  const auto watched = WatchedMachine::Create({*database_, DatabasePath(), nullptr, ""}, name, ids_[0]);
+  ASSERT_TRUE(watched) << watched.error().text;
+  ASSERT_OK((*watched)->Refresh({}));
+  const auto trend = database_->Trend(ids_[0], "V0", 29, 30);
+  ASSERT_TRUE(trend);
+  const Estimate& stored = trend->front().estimate;
+  EXPECT_NEAR(StdOf(**watched, "V0") / std::hypot(stored.std, 0.005 * stored.value), 1, 1e-9);
+  EXPECT_EQ((*watched)->picture().estimates[1].estimate.std, StdOf(**watched, "V0")) << "of tags";
+
+  const nlohmann::json told = {
+      {"name", name},
+      {"health", "C"},
+      {"statements", {{{"parameter", "V0"}, {"shared", 0.1}, {"confounded", true}, {"why", "a leak"}}}}};
+  ASSERT_OK((*watched)->Refresh(told));
+  EXPECT_NEAR(StdOf(**watched, "V0") / std::hypot(stored.std, 0.1 * stored.value), 1, 1e-9);
+  for (const nlohmann::json& p : (*watched)->json()["parameters"])
+    if (p["parameter"] == "V0" && stored.reason == EstimateReason::kUpdated) {
+      EXPECT_EQ(p["reason"], "confounded");
+      EXPECT_EQ(p["reason_text"], "a leak");
+    }
 }
 
 }  // namespace

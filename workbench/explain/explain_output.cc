@@ -249,7 +249,9 @@ std::string ParametersText(const ExplainResult& result) {
     text += fmt::format("  {}", unit.name);
     const auto moved =
         extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
-    if (moved && before.unit != "1" && std::abs(*moved) >= kMovedShown)
+    const bool in_percent =
+        before.unit != "1" && ToldInPercent(KindOf(result.log.machine), before.parameter, before.unit);
+    if (moved && in_percent && std::abs(*moved) >= kMovedShown)
       text += fmt::format("  {:+.0f} %", 100 * *moved);
     const bool below = FindConfounding(result.confounded, before.parameter) != nullptr;
     if (!extended && before.reason != EstimateReason::kUpdated)

@@ -154,6 +154,7 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
     result.left_out_why += fmt::format("{}unreadable {}", result.left_out_why.empty() ? "" : ", ", rejected);
   }
   result.time_base = reader->counters().time_base;
+  result.twins = reader->counters().twins;
   result.supply_pressure = pressure.value();
   result.oil_temperature = oil.value();
   return result;

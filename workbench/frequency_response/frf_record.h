@@ -17,6 +17,7 @@ struct FrfRecord {
   std::int64_t left_out = 0;  ///< rows without a usable pair of values
   std::string left_out_why;   ///< "missing 3, out_of_range 12"; "" if none
   Told time_base;             ///< LogCounters::time_base
+  Told twins;                 ///< LogCounters::twins
   double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean of p_0; NaN if not logged
   double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean of T_oil; NaN if not logged
 };

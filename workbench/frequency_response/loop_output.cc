@@ -68,7 +68,8 @@ std::vector<Told> WarningsOf(const LoopLog& measured, const Machine& machine) {
   if (measured.log.left_out > 0)
     warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})",
                             measured.log.left_out, measured.log.rows, measured.log.left_out_why));
-  if (!measured.log.time_base.empty()) warnings.push_back(measured.log.time_base);
+  for (const Told& text : {measured.log.time_base, measured.log.twins})
+    if (!text.empty()) warnings.push_back(text);
   for (const Told& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;
 }

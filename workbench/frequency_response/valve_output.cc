@@ -128,7 +128,8 @@ double MedianAmplitude(const ValveLog& measured) {
 std::vector<Told> ValveWarnings(const ValveLog& measured) {
   std::vector<Told> warnings = measured.response.warnings;
   const FrfRecord& log = measured.log;
-  if (!log.time_base.empty()) warnings.push_back(log.time_base);
+  for (const Told& text : {log.time_base, log.twins})
+    if (!text.empty()) warnings.push_back(text);
   if (log.left_out > 0)
     warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})", log.left_out,
                             log.rows, log.left_out_why));

@@ -74,7 +74,8 @@ std::string ValuesText(const MachineKind& kind, const std::string& title,
     const ShownParameter after = ShowParameter(kind, v.name, v.after, v.after_std, v.unit);
     text += fmt::format("{} {:<{}} {:>19} -> {:>19} {}", v.significant ? "*" : " ", v.name, width,
                         before.numbers, after.numbers, after.unit);
-    if (const auto share = RelativeChange(v.before, v.before_std, v.change()); share && v.unit != "1")
+    if (const auto share = RelativeChange(v.before, v.before_std, v.change());
+        share && v.unit != "1" && ToldInPercent(kind, v.name, v.unit))
       text += fmt::format("  {:+.1f} %", 100 * *share);
     text += "\n";
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/non_negative.h"
 #include "core/quantile.h"
+#include "core/records/reason_told.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
 #include "pipeline/run_summary.h"
@@ -68,41 +68,25 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Machi
   return {};
 }
 
-/// What assumed tolerances add to the intervals of `latest`.
-void WidenByTolerances(const ModelStructure& stated, const ModelStructure& assumed,
-                       std::vector<Estimate>& latest) {
-  const Eigen::VectorXd any = Eigen::VectorXd::Ones(stated.base_count);  // shares do not depend on it
-  const auto without = stated.derive(any), with = assumed.derive(any);
-  for (std::size_t i = 0; i < with.size(); ++i)
-    for (Estimate& e : latest)
-      if (e.parameter == with[i].name && with[i].geometry_std > without[i].geometry_std) {
-        const double share =
-            std::sqrt(NonNegative(std::pow(with[i].geometry_std, 2) - std::pow(without[i].geometry_std, 2))) /
-            std::abs(with[i].value);
-        e.std = std::hypot(e.std, share * e.value);
-      }
+void Confound(Told why, EstimateStatement& statement) {
+  statement.confounded = true;
+  statement.why = std::move(why);
 }
 
 /// The recursive estimate takes strokes for independent. Where those of the last run hang together, its intervals are at
-/// least those of the fit to them.
-void WidenByLastRun(const GramFit& figures, std::vector<Estimate>& latest) {
-  if (figures.clusters.unit == ClusterUnit::kStroke) return;
-  for (Estimate& e : latest)
-    for (const Estimate& fitted : figures.parameters)
-      if (fitted.parameter == e.parameter && std::isfinite(fitted.std) && fitted.std > e.std) {
-        e.std = fitted.std;
-        if (fitted.reason == EstimateReason::kConfounded && e.reason == EstimateReason::kUpdated)
-          e.reason = fitted.reason;
-      }
-}
-
-/// Nor can the recursive estimate be trusted where the error of the fit to the last run could be taken for the parameter.
-void MarkByLastRun(const GramFit& figures, std::vector<Estimate>& latest) {
-  for (Estimate& e : latest)
-    for (const Estimate& fitted : figures.parameters)
-      if (fitted.parameter == e.parameter && fitted.reason == EstimateReason::kConfounded &&
-          fitted.excitation > 0 && e.reason == EstimateReason::kUpdated)
-        e.reason = fitted.reason;
+/// least those of the fit to them. Nor can it be trusted where the error of that fit could be taken for the parameter.
+void StateByLastRun(const GramFit& figures, std::vector<EstimateStatement>& statements,
+                    const std::vector<Estimate>& latest) {
+  const bool together = figures.clusters.unit != ClusterUnit::kStroke;
+  for (EstimateStatement& statement : statements)
+    for (const Estimate& fitted : figures.parameters) {
+      if (fitted.parameter != statement.parameter) continue;
+      if (together && std::isfinite(fitted.std)) statement.least_std = fitted.std;
+      const auto known = std::ranges::find(latest, fitted.parameter, &Estimate::parameter);
+      const bool wider = known != latest.end() && statement.least_std > known->std;
+      if (fitted.reason == EstimateReason::kConfounded && (fitted.excitation > 0 || wider))
+        Confound(ReasonTold(fitted.reason), statement);
+    }
 }
 
 /// `latest` in the order of the model's parameters; one without an estimate cannot be moved out of its interval.
@@ -140,11 +124,17 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
   Machine tolerant = machine;
   out.assumed = AssumeTolerances(tolerant);
   const auto assumed = TRY(BuildModel(tolerant));
-  if (!out.assumed.empty()) WidenByTolerances(model, *assumed, latest);
+  out.statements = ToleranceStatements(machine, model);
   TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out.figures));
-  WidenByLastRun(out.figures, latest);
-  MarkByLastRun(out.figures, latest);
+  std::vector<Estimate> known = latest;
+  for (Estimate& e : known) StateEstimate(out.statements, e);
+  StateByLastRun(out.figures, out.statements, known);
+  for (Estimate& e : latest) StateEstimate(out.statements, e);
   TRY(ConfoundNewest(database, machine_id, tolerant, assumed, runs, latest, out));
+  for (const Confounding& c : out.confounded)
+    for (EstimateStatement& statement : out.statements)
+      if (statement.parameter == c.parameter)
+        Confound(Tell("{}; {}", "{}; {}", c.reason, c.advice), statement);
   MarkConfounded(out.confounded, latest);
   return out;
 }

@@ -16,6 +16,8 @@ struct StatedEstimates {
   GramFit figures = {};  ///< fit to the last run (of very many strokes, the last ones); all 0: none
   std::vector<Confounding> confounded;  ///< over the newest strokes, of whatever run: the estimator remembers
   std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
+  /// All of this for each parameter of the model, as it holds for the strokes that follow.
+  std::vector<EstimateStatement> statements;
 };
 
 /// Widens the estimates `latest`, one per parameter after the last stroke of the machine, and marks them. Widened by a

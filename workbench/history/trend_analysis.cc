@@ -175,7 +175,7 @@ double NearerLimit(double value, const std::optional<double>& low, const std::op
   return low ? *low : high.value_or(kNaN);
 }
 
-LimitCheck CheckPair(const std::vector<TrendSample>& samples, const std::optional<double>& low,
+LimitCheck CheckPair(const std::vector<TrendSample>& samples, double wider, const std::optional<double>& low,
                      const std::optional<double>& high, LimitOutcome touched) {
   LimitCheck check;
   if (!low && !high) return check;
@@ -192,21 +192,24 @@ LimitCheck CheckPair(const std::vector<TrendSample>& samples, const std::optiona
     }
     check.outcome = touched;
   }
-  if (latest != nullptr && check.outcome == LimitOutcome::kWithin &&
-      Beyond(latest->value, low, high) + kNormal95 * latest->std >= 0) {
+  if (latest == nullptr) return check;
+  const double beyond = Beyond(latest->value, low, high), half = kNormal95 * wider * latest->std;
+  check.unsure = check.over_now && beyond <= half;
+  if (check.outcome == LimitOutcome::kWithin && beyond + half >= 0) {
     check.outcome = LimitOutcome::kIntervalReaches;
     check.limit = NearerLimit(latest->value, low, high);
   }
   return check;
 }
 
-LimitCheck CheckLimits(const std::vector<TrendSample>& samples, const Machine& machine,
+LimitCheck CheckLimits(const std::vector<TrendSample>& samples, double wider, const Machine& machine,
                        const std::string& parameter) {
   const auto spec =
       std::ranges::find_if(machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter; });
   if (spec == machine.monitors.end()) return {};
-  const LimitCheck alarm = CheckPair(samples, spec->alarm_low, spec->alarm_high, LimitOutcome::kAlarmed);
-  const LimitCheck warn = CheckPair(samples, spec->warn_low, spec->warn_high, LimitOutcome::kWarned);
+  const LimitCheck alarm =
+      CheckPair(samples, wider, spec->alarm_low, spec->alarm_high, LimitOutcome::kAlarmed);
+  const LimitCheck warn = CheckPair(samples, wider, spec->warn_low, spec->warn_high, LimitOutcome::kWarned);
   return alarm.outcome >= warn.outcome ? alarm : warn;
 }
 
@@ -242,7 +245,7 @@ void Analyse(ParameterAnalysis& analysis, const RecordedHistory& history, bool o
   const Series series = SeriesOf(analysis.blocks, false);
   analysis.change = CompareThirds(series.value, series.std, 0);
   analysis.oil = AnalyseOil(analysis.blocks, oil_measured);
-  analysis.limits = CheckLimits(analysis.samples, history.machine, analysis.parameter);
+  analysis.limits = CheckLimits(analysis.samples, 1, history.machine, analysis.parameter);
   analysis.why_not = WhyNot(analysis);
 }
 
@@ -314,6 +317,12 @@ CautiousMean CautiousMeanOf(const TrendSample* first, std::size_t count) {
 }
 
 }  // namespace
+
+void StateLatest(double wider, const Machine& machine, ParameterAnalysis& analysis) {
+  if (!analysis.latest || !(wider > 1)) return;
+  analysis.latest->std *= wider;
+  analysis.limits = CheckLimits(analysis.samples, wider, machine, analysis.parameter);
+}
 
 ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples) {
   std::vector<TrendSample> updated;

@@ -65,6 +65,7 @@ struct LimitCheck {
   std::int64_t first_sequence = 0;  ///< first of them
   double limit = 0;                 ///< SI, the limit touched, or reached by the interval
   bool over_now = false;            ///< the latest estimate is beyond it
+  bool unsure = false;              ///< `over_now`, and its interval reaches back over the limit
 };
 
 /// One estimate as plotted: of the recursive estimator after a stroke, or of a block of strokes by itself.
@@ -122,6 +123,10 @@ ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples);
 /// The latest updated estimate less the mean of those before stroke `since`, whose std is that of a typical one. Unknown without
 /// an estimate from there on, or with fewer than 6 before.
 TestedValue ChangeSince(const std::vector<TrendSample>& samples, std::int64_t since);
+
+/// States the latest updated estimate with an interval that is `wider` times (1 and more) that of its estimator: what all strokes
+/// share is no change, but makes uncertain on which side of the machine file's limits it is.
+void StateLatest(double wider, const Machine& machine, ParameterAnalysis& analysis);
 
 /// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
 /// dozen questions one that shows something by chance alone is the rule, not the exception.

@@ -298,5 +298,28 @@ TEST(FitCorrelated, JointTestFindsCurvatureAsOftenAsItSaysWhereThereIsNone) {
   EXPECT_GT(findings, 0.95 * seeds);
 }
 
+TEST(StateLatest, AToleranceMakesTheSideOfALimitUncertain) {
+  ReportFixture fixture;
+  ReportInput input = fixture.Make();
+  for (TrendPoint& point : input.trends)
+    point.estimate.value = ReportFixture::kBulkModulus, point.estimate.std = 0.001e9;
+  const auto limits = [&](double warn_low) {
+    input.machine.monitors = {{"K", warn_low, std::nullopt, std::nullopt, std::nullopt, std::nullopt}};
+    ParameterAnalysis analysis = Of(AnalyseTrends(input), "K");
+    const LimitCheck narrow = analysis.limits;
+    StateLatest(10, input.machine, analysis);
+    EXPECT_NEAR(analysis.latest->std, 0.01e9, 1);
+    return std::pair{narrow, analysis.limits};
+  };
+  const auto [inside, reaches] = limits(ReportFixture::kBulkModulus - 0.01e9);
+  EXPECT_EQ(inside.outcome, LimitOutcome::kWithin);
+  EXPECT_EQ(reaches.outcome, LimitOutcome::kIntervalReaches);
+  const auto [beyond, unsure] = limits(ReportFixture::kBulkModulus + 0.01e9);
+  EXPECT_EQ(beyond.outcome, LimitOutcome::kWarned);
+  EXPECT_FALSE(beyond.unsure);
+  EXPECT_EQ(unsure.outcome, LimitOutcome::kWarned) << "nor does it take back what was crossed";
+  EXPECT_TRUE(unsure.unsure);
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -35,13 +35,15 @@ struct TrendSummary {
   const MachineKind* kind = nullptr;      ///< of its machine, which says in what unit people read it
   Estimate latest;                        ///< of the last stroke
   std::optional<Confounding> confounded;  ///< nothing: no effect could move it unseen, or nobody asked
-  std::int64_t latest_sequence = 0;       ///< its number
-  std::int64_t strokes = 0;               ///< strokes looked at
-  std::int64_t updated = 0;               ///< of these, strokes that told something about the parameter
-  std::optional<std::int64_t> since;      ///< strokes since the last such; nullopt if there was none
-  std::optional<TrendChange> change;      ///< nullopt with too few strokes to tell
-  std::vector<double> values;             ///< SI, one per stroke, NaN where nothing is known
-  std::vector<double> stds;               ///< SI
+  Told
+      not_trusted;  ///< EstimateStatement::why, of `confounded` or of the error of the fit to the last run; "" if nothing is
+  std::int64_t latest_sequence = 0;   ///< its number
+  std::int64_t strokes = 0;           ///< strokes looked at
+  std::int64_t updated = 0;           ///< of these, strokes that told something about the parameter
+  std::optional<std::int64_t> since;  ///< strokes since the last such; nullopt if there was none
+  std::optional<TrendChange> change;  ///< nullopt with too few strokes to tell
+  std::vector<double> values;         ///< SI, one per stroke, NaN where nothing is known
+  std::vector<double> stds;           ///< SI
 };
 
 /// Takes the points of a machine one by one and sums them up without keeping them.

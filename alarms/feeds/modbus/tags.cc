@@ -193,7 +193,8 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
       const Place places[] = {
           {kValue, Cell::kFloat, "value", nullptr, "after the last stroke"},
           {kStd, Cell::kFloat, "standard deviation", nullptr, "value +- 1.96 of it is the 95 % interval"},
-          {kQuality, Cell::kU16, "quality", "", "0 identified in the last stroke, else older; 255 never"},
+          {kQuality, Cell::kU16, "quality", "",
+           "0 identified in the last stroke, 4 not to be told from others, else older; 255 never"},
           {kEstimateAge, Cell::kU16, "age", "s", "since the data told something about it"},
           {kEstimateOil, Cell::kFloat, "oil temperature", "degC", "that the value stands for"},
           {kParameterName, Cell::kText16, "name", "", ""}};

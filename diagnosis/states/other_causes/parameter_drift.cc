@@ -6,6 +6,9 @@
 
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/relative_change.h"
+#include "core/unit_told.h"
+#include "core/units.h"
 #include "diagnosis/states/state_candidate.h"
 #include "estimation/decompositions.h"
 
@@ -83,9 +86,11 @@ std::optional<ParameterDrift> FindParameterDrift(const StateFit& fit, const Stat
     if (removed < least_share * energy || t < options.least_t) continue;
     const auto [slope, std] = SlopeOf(pieces);
     if (std::abs(slope) < options.least_sizes * std) continue;
-    const double size = std::abs(fit.parameters[p]);
+    const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
+    const bool of_size = RelativeChange(fit.parameters[p], 0, slope).has_value();
+    const double size = of_size ? std::abs(fit.parameters[p]) : 1;
     slopes.push_back(
-        {removed, {fit.model->parameters[static_cast<std::size_t>(p)].name, slope / size, std / size}});
+        {removed, {parameter.name, slope / size, std / size, of_size ? std::string() : parameter.spec.unit}});
   }
   if (slopes.empty()) return std::nullopt;
   std::sort(slopes.begin(), slopes.end(),
@@ -100,8 +105,11 @@ std::optional<ParameterDrift> FindParameterDrift(const StateFit& fit, const Stat
 Told ParameterDriftText(const ParameterDrift& drift) {
   Told parts;
   for (const ParameterDrift::Moved& moved : drift.moved) {
-    const Told part = Tell("{} by {} %", "{} um {} %", moved.parameter,
-                           TellNumber(ChangeWithInterval(100 * moved.change, 100 * kNormal95 * moved.std)));
+    const DisplayUnit unit = moved.unit.empty() ? DisplayUnit{100, 0, "%"} : DisplayUnitFor(moved.unit);
+    const Told part =
+        Tell("{} by {} {}", "{} um {} {}", moved.parameter,
+             TellNumber(ChangeWithInterval(moved.change * unit.factor, kNormal95 * moved.std * unit.factor)),
+             UnitTold(unit.name));
     parts = parts.empty() ? part : Tell("{}, or {}", "{}, oder {}", parts, part);
   }
   return Tell(

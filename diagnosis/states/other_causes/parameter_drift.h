@@ -26,6 +26,8 @@ struct ParameterDrift {
   struct Moved {
     std::string parameter;
     double change = 0, std = 0;  ///< from begin to end, of the parameter's size
+    /// Of a parameter near zero, which has no percentages (core/relative_change.h): SI unit of `change` and `std`; else "".
+    std::string unit = {};
   };
   std::vector<Moved> moved;  ///< best first: one of them did
   double share = 0;          ///< of the error's energy on pieces left out that it takes away

@@ -68,5 +68,12 @@ TEST(ParameterDrift, NoiseOfSensorOrProcessIsNone) {
     }
 }
 
+TEST(ParameterDrift, OneNearZeroIsToldInItsUnit) {
+  ParameterDrift drift;
+  drift.moved = {{"k", -0.2, 0.01, ""}, {"F_0", 12, 1, "N"}};
+  EXPECT_THAT(ParameterDriftText(drift).english,
+              testing::HasSubstr("k by -20.0 ± 2.0 %, or F_0 by +12.0 ± 2.0 N from begin to end"));
+}
+
 }  // namespace
 }  // namespace hydroscope

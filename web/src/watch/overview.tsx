@@ -81,7 +81,7 @@ function Parameters({ machine }: { machine: WatchedMachine }) {
                 {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span>{symbolOf(p.unit)}</span>}
                 {p.unit.meaning && tell(p.unit, "meaning").text !== symbolOf(p.unit) && <small><Told of={p.unit} what="meaning" /></small>}
               </th>
-              <td role="cell" data-label={say("newest")}>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}</td>
+              <td role="cell" data-label={say("newest")}>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}{p.reason === "confounded" && p.reason_text && <small class="quiet"><Told of={{ reason_text: p.reason_text, german: p.german }} what="reason_text" /></small>}</td>
               <td role="cell" data-label={say("against")}><Against parameter={p} /></td>
               <td role="cell" class="spark-cell">{p.spark && <Spark values={p.spark} />}</td>
             </tr>

@@ -12,7 +12,7 @@ export interface AgainstReference {
 }
 export interface WatchedParameter {
   parameter: string; unit: WatchedUnit; reference: AgainstReference | null; trend: boolean;
-  value?: MaybeNumber; std?: MaybeNumber; reason?: string; reason_text?: string; spark?: MaybeNumber[];
+  value?: MaybeNumber; std?: MaybeNumber; reason?: string; reason_text?: string; german?: { reason_text: string }; spark?: MaybeNumber[];
 }
 export interface WatchedMachine {
   machine: string; counted: "stroke" | "episode"; health: Health; strokes: number; runs: number; last_s: MaybeNumber; dated: boolean; oil_temperature_K: MaybeNumber;
