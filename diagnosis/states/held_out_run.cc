@@ -102,16 +102,15 @@ HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, c
   const StateFit in_short_runs = FollowStates(fit.model, runs, fit.parameters, fit.noise);
   if (!in_short_runs.solved()) return out;
   out.short_error = ErrorOver(fit, in_short_runs);
-  if (out.short_error >= options.as_fitted) return out;
-  out.loses_its_way = MagnifiesDifferences(followed, held_out, options);
-  out.adds_up = !out.loses_its_way;
+  out.loses_its_way = out.short_error < options.as_fitted;
+  out.magnifies = out.loses_its_way && MagnifiesDifferences(followed, held_out, options);
   return out;
 }
 
 std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, const std::string& log,
                                const HeldOutRunOptions& options) {
   std::vector<Told> texts;
-  if (run.loses_its_way)
+  if (run.magnifies)
     texts.push_back(Tell(
         "the free run over {} errs by {:.3g} times what it does on the log fitted, runs of {} rows with initial states of "
         "their own by {:.2g} times: law and parameters hold there too, but the machine magnifies small differences of "
@@ -121,17 +120,16 @@ std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, c
         "kleine Unterschiede, bis ein so langer Lauf sich verliert. Nach kürzeren Episoden urteilen ([episodes] seconds) oder "
         "mehr Aufzeichnungen zusammen anpassen",
         log, run.error, options.rows, run.short_error));
-  if (run.adds_up && run.constant.empty())
+  if (run.loses_its_way && !run.magnifies && run.constant.empty())
     texts.push_back(Tell(
         "the free run over {} errs by {:.3g} times what it does on the log fitted, runs of {} rows with initial states of "
-        "their own by {:.2g} times, and small differences do not grow in this model: something adds up over more rows than "
-        "that, a law that is missing or acts more there, a disturbance that is not measured, or noise on the process "
-        "itself. Such short runs do not tell these apart: fit both logs together and explain what is left",
+        "their own by {:.2g} times: something adds up over more rows than that, small errors of the parameters, a law that is "
+        "missing or acts more there, a disturbance that is not measured, or noise on the process itself. Such short runs do "
+        "not tell these apart: fit both logs together and explain what is left",
         "der freie Lauf über {} weicht {:.3g}-mal so viel ab wie auf der angepassten Aufzeichnung, Stücke von {} Zeilen mit "
-        "eigenen Anfangszuständen {:.2g}-mal so viel, und kleine Unterschiede wachsen in diesem Modell nicht: über mehr "
-        "Zeilen summiert sich etwas auf, ein Gesetz, das fehlt oder dort stärker wirkt, eine Störung, die nicht gemessen "
-        "wird, oder Rauschen des Prozesses selbst. So kurze Stücke trennen das nicht: beide Aufzeichnungen zusammen "
-        "anpassen und den Rest erklären lassen",
+        "eigenen Anfangszuständen {:.2g}-mal so viel: über mehr Zeilen summiert sich etwas auf, kleine Fehler der Parameter, "
+        "ein Gesetz, das fehlt oder dort stärker wirkt, eine Störung, die nicht gemessen wird, oder Rauschen des Prozesses "
+        "selbst. So kurze Stücke trennen das nicht: beide Aufzeichnungen zusammen anpassen und den Rest erklären lassen",
         log, run.error, options.rows, run.short_error));
   for (const HeldOutRun::Constant& c : run.constant) {
     const DisplayUnit unit = ShownUnit(model.machine, c.signal);

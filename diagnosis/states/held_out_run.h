@@ -33,11 +33,9 @@ struct HeldOutRun {
   double error = 0;  ///< rms over that of the log fitted, of the worst output
   /// The same of short runs with initial states of their own; 0: none were needed or possible.
   double short_error = 0;
-  /// Law and parameters hold over short runs, the long one loses its way: small differences of where it begins and of the
-  /// parameters grow in it.
+  /// Short runs err as on the log fitted, the long one does not.
   bool loses_its_way = false;
-  /// Short runs err as on the log fitted, and no small differences grow: what the log holds besides adds up slowly.
-  bool adds_up = false;
+  bool magnifies = false;      ///< ... since small differences of where it begins grow in it
   std::vector<Beyond> beyond;  ///< where the run errs by more than on the log fitted
   /// An output whose error is a constant, SI: measured less modelled.
   struct Constant {
