@@ -42,6 +42,12 @@ std::string WithInterval(double value, double half_width) {
   return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? ShortNumber(half_width, 1) : half);
 }
 
+std::string FoundWithInterval(double value, double half_width) {
+  const bool swallowed = value != 0 && std::isfinite(half_width) && std::abs(value) < std::abs(half_width);
+  return swallowed ? ShortNumber(value) + " ± " + ShortNumber(half_width, 2)
+                   : WithInterval(value, half_width);
+}
+
 std::string ChangeWithInterval(double change, double half_width) {
   return (change > 0 ? "+" : "") + WithInterval(change, half_width);
 }

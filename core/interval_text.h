@@ -8,6 +8,10 @@ namespace hydroscope {
 /// exponent: "(4.51 ± 0.03)e-12".
 std::string WithInterval(double value, double half_width);
 
+/// The same, but with three digits of a value that is smaller than its half width, "0.0591 ± 17": of parameters that only move
+/// together each has a wide interval, and what they were found at is still what the model runs with.
+std::string FoundWithInterval(double value, double half_width);
+
 /// The same of a change, "+1.21 ± 0.02".
 std::string ChangeWithInterval(double change, double half_width);
 

@@ -14,6 +14,10 @@ TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
   EXPECT_EQ(WithInterval(0, 0), "0 ± 0");
   EXPECT_EQ(WithInterval(-0.3, 11), "0 ± 11");
   EXPECT_EQ(WithInterval(NAN, 11), "nan ± 11");
+  EXPECT_EQ(FoundWithInterval(0.059064, 16.6), "0.0591 ± 17");
+  EXPECT_EQ(FoundWithInterval(7.31e-6, 0.0011), "7.31e-6 ± 0.0011");
+  EXPECT_EQ(FoundWithInterval(1.2103, 0.0214), "1.210 ± 0.021");
+  EXPECT_EQ(FoundWithInterval(0, 0.4), "0.00 ± 0.40");
 }
 
 TEST(WithInterval, AnIntervalThatIsThereNeverReadsAsZero) {

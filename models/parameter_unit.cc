@@ -26,7 +26,8 @@ ShownParameter ShowParameter(const MachineKind& kind, std::string_view parameter
   const bool own = known != nullptr && !known->shown.empty();
   const EffectUnit unit = own ? EffectUnit{known->factor, std::string(known->shown)} : EffectUnitFor(si);
   const double offset = own ? 0 : DisplayUnitFor(si).offset;
-  return {WithInterval(value * unit.factor + offset, kNormal95 * std * unit.factor),
+  const double shown = value * unit.factor + offset, half_width = kNormal95 * std * unit.factor;
+  return {kind.has_states ? FoundWithInterval(shown, half_width) : WithInterval(shown, half_width),
           unit.name == "-" ? "" : unit.name};
 }
 

@@ -168,6 +168,7 @@ std::string Identification(const CheckResult& check) {
     text +=
         fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
   text += "\n";
+  const auto with_interval = KindOf(check.machine).has_states ? FoundWithInterval : WithInterval;
   std::size_t width = 8, unit_width = 6;
   for (const CheckedParameter& p : check.parameters) {
     width = std::max(width, p.estimate.parameter.size());
@@ -181,7 +182,7 @@ std::string Identification(const CheckResult& check) {
                                                              : "NO";
     text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
     if (std::isfinite(half))
-      text += fmt::format("{:>21} {:<{}}", WithInterval(p.estimate.value * unit.factor + unit.offset, half),
+      text += fmt::format("{:>21} {:<{}}", with_interval(p.estimate.value * unit.factor + unit.offset, half),
                           unit.name, unit_width);
     if (p.estimate.unit != "1" && HalfWidth(p.estimate) <= kMostRelative)  // nor of a value near zero
       text += fmt::format("(± {} %)", ShortNumber(100 * HalfWidth(p.estimate), 2));

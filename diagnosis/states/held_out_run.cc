@@ -65,6 +65,28 @@ std::vector<HeldOutRun::Constant> Constants(const StateFit& fit, const StateFit&
   return out;
 }
 
+/// Whether small differences of where a run begins grow in some episode: states over their ranges, rms over `rows` rows in turn.
+bool MagnifiesDifferences(const StateFit& followed, std::span<const Episode> episodes,
+                          const HeldOutRunOptions& options) {
+  StateSimulator simulator(followed.model);
+  simulator.SetParameters(followed.parameters);
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    const int last = episodes[e].rows() - 1;
+    const Eigen::VectorXd begin = simulator.Initial(episodes[e], followed.initial[e]);
+    StateRun as_is, moved;
+    simulator.Run(episodes[e], 0, last, begin, nullptr, as_is);
+    const Eigen::RowVectorXd range = as_is.states.colwise().maxCoeff() - as_is.states.colwise().minCoeff();
+    simulator.Run(episodes[e], 0, last, begin + options.moved * range.transpose(), nullptr, moved);
+    if (as_is.diverged || moved.diverged) return true;
+    const Eigen::RowVectorXd by = range.cwiseMax(1e-300).cwiseInverse();
+    const Eigen::VectorXd apart = ((moved.states - as_is.states) * by.asDiagonal()).rowwise().norm();
+    const double first = apart.head(std::min<Eigen::Index>(options.rows, apart.size())).norm();
+    for (Eigen::Index row = options.rows; row + options.rows <= apart.size(); row += options.rows)
+      if (apart.segment(row, options.rows).norm() > options.magnified * first) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, const StateFit& followed,
@@ -81,13 +103,14 @@ HeldOutRun LookAtHeldOut(const StateFit& fit, std::span<const Episode> fitted, c
   if (!in_short_runs.solved()) return out;
   out.short_error = ErrorOver(fit, in_short_runs);
   out.loses_its_way = out.short_error < options.as_fitted;
+  out.magnifies = out.loses_its_way && MagnifiesDifferences(followed, held_out, options);
   return out;
 }
 
 std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, const std::string& log,
                                const HeldOutRunOptions& options) {
   std::vector<Told> texts;
-  if (run.loses_its_way)
+  if (run.magnifies)
     texts.push_back(Tell(
         "the free run over {} errs by {:.3g} times what it does on the log fitted, runs of {} rows with initial states of "
         "their own by {:.2g} times: law and parameters hold there too, but the machine magnifies small differences of "
@@ -96,6 +119,17 @@ std::vector<Told> HeldOutTexts(const HeldOutRun& run, const StateModel& model, c
         "eigenen Anfangszuständen {:.2g}-mal so viel: Gesetz und Parameter gelten auch dort, doch die Maschine vergrößert "
         "kleine Unterschiede, bis ein so langer Lauf sich verliert. Nach kürzeren Episoden urteilen ([episodes] seconds) oder "
         "mehr Aufzeichnungen zusammen anpassen",
+        log, run.error, options.rows, run.short_error));
+  if (run.loses_its_way && !run.magnifies && run.constant.empty())
+    texts.push_back(Tell(
+        "the free run over {} errs by {:.3g} times what it does on the log fitted, runs of {} rows with initial states of "
+        "their own by {:.2g} times: something adds up over more rows than that, small errors of the parameters, a law that is "
+        "missing or acts more there, a disturbance that is not measured, or noise on the process itself. Such short runs do "
+        "not tell these apart: fit both logs together and explain what is left",
+        "der freie Lauf über {} weicht {:.3g}-mal so viel ab wie auf der angepassten Aufzeichnung, Stücke von {} Zeilen mit "
+        "eigenen Anfangszuständen {:.2g}-mal so viel: über mehr Zeilen summiert sich etwas auf, kleine Fehler der Parameter, "
+        "ein Gesetz, das fehlt oder dort stärker wirkt, eine Störung, die nicht gemessen wird, oder Rauschen des Prozesses "
+        "selbst. So kurze Stücke trennen das nicht: beide Aufzeichnungen zusammen anpassen und den Rest erklären lassen",
         log, run.error, options.rows, run.short_error));
   for (const HeldOutRun::Constant& c : run.constant) {
     const DisplayUnit unit = ShownUnit(model.machine, c.signal);

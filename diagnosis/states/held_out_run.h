@@ -13,7 +13,12 @@ struct HeldOutRunOptions {
   int rows = 50;           ///< of a short run
   double more = 1.5;       ///< error over the fit's from which on a cause is looked for
   double as_fitted = 1.2;  ///< ... below which a run errs as it does on the log fitted
-  double beyond = 0.05;    ///< of the fitted range of a signal: less beyond it counts as within
+  double moved =
+      1e-4;  ///< of a state's range, by which its run begins elsewhere where it is asked whether that grows
+  /// Largest difference of the states over a short run's rows, over that of the first ones, from which on it does: far more than a
+  /// state that is not measured takes to reach those that are, far less than what a swing that loses its phase grows to.
+  double magnified = 10;
+  double beyond = 0.05;  ///< of the fitted range of a signal: less beyond it counts as within
   /// Share of an output's energy that a constant takes away if its zero has moved; of what drifts off at random it is less.
   double constant_share = 0.8;
 };
@@ -28,9 +33,9 @@ struct HeldOutRun {
   double error = 0;  ///< rms over that of the log fitted, of the worst output
   /// The same of short runs with initial states of their own; 0: none were needed or possible.
   double short_error = 0;
-  /// Law and parameters hold over short runs, the long one loses its way: small differences of where it begins and of the
-  /// parameters grow in it.
+  /// Short runs err as on the log fitted, the long one does not.
   bool loses_its_way = false;
+  bool magnifies = false;      ///< ... since small differences of where it begins grow in it
   std::vector<Beyond> beyond;  ///< where the run errs by more than on the log fitted
   /// An output whose error is a constant, SI: measured less modelled.
   struct Constant {

@@ -70,6 +70,7 @@ class ExperimentSearch {
         Try(move);
       }
     Sort();
+    LeaveRefuted();
     return std::move(out_);
   }
 
@@ -119,8 +120,10 @@ class ExperimentSearch {
       outputs.push_back(&runs[r].outputs);
     }
     std::vector<Eigen::MatrixXd> all;
-    for (std::size_t r = 0; r < rivals_.size(); ++r)
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
       all.push_back(known_[r] + ProductsOf(r, rivals_[r].at, tried.record, 0, outputs));
+      if (!all.back().allFinite()) return;  // a root at zero, say
+    }
     Judge(all, tried);
     out_.tried.push_back(std::move(tried));
   }
@@ -158,20 +161,70 @@ class ExperimentSearch {
     tried.separation = std::max(tried.separation, 0.0);
   }
 
-  double UnseenError(const Eigen::MatrixXd& products) const {
-    const StateFit& fit = rivals_.front().at;
+  /// Covariance of the parameters' relative changes.
+  static Eigen::MatrixXd RelativeCovariance(const StateFit& fit, const Eigen::MatrixXd& products) {
     const Eigen::MatrixXd information = Information(fit, products);
     const Eigen::VectorXd size = information.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd inverse = SymmetricFactor(size.asDiagonal() * information * size.asDiagonal())
                                         .SolveColumns(Eigen::MatrixXd::Identity(size.size(), size.size()));
-    double worst = 0;
-    for (int p = 0; p < fit.model->parameter_count(); ++p) {
-      const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
-      if (!Contains(out_.unseen, parameter.name)) continue;
-      const double relative = std::max(std::abs(fit.parameters[p]), 1e-300);
-      worst = std::max(worst, size[p] * std::sqrt(std::max(0.0, inverse(p, p))) / relative);
-    }
+    const Eigen::VectorXd relative = size.cwiseQuotient(fit.parameters.cwiseAbs().cwiseMax(1e-300));
+    return relative.asDiagonal() * inverse * relative.asDiagonal();
+  }
+
+  /// Parameter with the largest standard error of those not seen; below 0: there is none.
+  int WorstSeen(const Eigen::MatrixXd& covariance) const {
+    const StateModel& model = *rivals_.front().at.model;
+    int worst = -1;
+    for (int p = 0; p < model.parameter_count(); ++p)
+      if (Contains(out_.unseen, model.parameters[static_cast<std::size_t>(p)].name) &&
+          (worst < 0 || covariance(p, p) > covariance(worst, worst)))
+        worst = p;
     return worst;
+  }
+
+  double UnseenError(const Eigen::MatrixXd& products) const {
+    const Eigen::MatrixXd covariance = RelativeCovariance(rivals_.front().at, products);
+    const int worst = WorstSeen(covariance);
+    return worst < 0 ? 0 : std::sqrt(std::max(0.0, covariance(worst, worst)));
+  }
+
+  /// The best record is simulated with the parameters moved along what was recorded does not see: where the file leaves the scale
+  /// of a state free, rounding of sensitivities passes for information on it. Records that this refutes say nothing more than
+  /// what was recorded does.
+  void LeaveRefuted() {
+    if (rivals_.size() > 1) return;
+    while (out_.proposed() && !ShowsWhatItPromises(out_.tried.front())) {
+      out_.tried.front().standard_error = out_.now.standard_error;
+      Sort();
+    }
+  }
+
+  bool ShowsWhatItPromises(const TriedRecord& tried) const {
+    constexpr double kMoved = 0.1;      // of the parameter seen least
+    constexpr double kPromised = 0.25;  // of the energy foreseen, below which the record is refuted
+    const StateFit& fit = rivals_.front().at;
+    const Eigen::MatrixXd covariance = RelativeCovariance(fit, known_.front());
+    const int worst = WorstSeen(covariance);
+    Eigen::VectorXd moved = fit.parameters;
+    for (int p = 0; p < moved.size(); ++p)
+      if (!fit.at_limit[static_cast<std::size_t>(p)])
+        moved[p] *= std::exp(kMoved * covariance(p, worst) / covariance(worst, worst));
+    StateSimulator simulator(fit.model);
+    simulator.SetParameters(fit.parameters);
+    StateRun run;
+    Episode record = tried.record;
+    simulator.Run(record, 0, record.rows() - 1, simulator.Initial(record, fit.initial.front()), nullptr, run);
+    for (int j = 0; j < fit.model->output.rows; ++j)
+      record.signal.col(fit.model->outputs[static_cast<std::size_t>(j)]) = run.outputs.col(j);
+    const StateFit followed = FollowStates(fit.model, std::span(&record, 1), moved, fit.noise);
+    if (!followed.solved()) return true;  // nothing speaks against it
+    double energy = 0;
+    for (int j = 0; j < fit.model->output.rows; ++j)
+      for (Eigen::Index row = 0; row < followed.residuals.front().rows(); ++row)
+        if (const double error = followed.residuals.front()(row, j) / fit.noise[j]; std::isfinite(error))
+          energy += error * error;
+    const double promised = kMoved / std::max(tried.standard_error, 1e-6);
+    return energy > kPromised * promised * promised;
   }
 
   void Sort() {

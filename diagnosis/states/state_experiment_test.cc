@@ -105,6 +105,59 @@ TEST(StateExperiment, InputsStayWithinWhatWasRecordedWhereNothingElseIsAllowed) 
   }
 }
 
+/// Two tanks whose levels are read in a unit that the file leaves open: the scale of their states is free.
+constexpr const char* kTanks = R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+[states]
+a = { ddt = "g*u - k*sqrt(max(a, 0)) - c*max(a - brim, 0)", initial = "estimate", min = 0 }
+x = { ddt = "k*sqrt(max(a, 0)) - m*sqrt(max(x, 0)) + w*c*max(a - brim, 0)", initial = "y", min = 0 }
+[outputs]
+y = "s*x"
+[parameters]
+g = { start = 0.04, min = 0.001, max = 1 }
+k = { start = 0.055, min = 0.001, max = 1 }
+m = { start = 0.05, min = 0.001, max = 1 }
+s = { start = 1, min = 0.2, max = 5 }
+brim = { start = 10, min = 1, max = 25 }
+c = { start = 10, min = 0.05, max = 10 }
+w = { start = 0.4, min = 0, max = 1 }
+)toml";
+
+TEST(StateExperiment, NoRecordShowsTheScaleOfAStateThatTheFileLeavesFree) {
+  const auto machine = ParseMachine(kTanks, "tanks");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto model = BuildStateModel(*machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  constexpr int kRows = 1000;
+  std::vector<Episode> episodes(1);
+  Episode& recorded = episodes.front();
+  recorded.signal.resize(kRows, 2);
+  for (int row = 0; row < kRows; ++row) {
+    const double t = 4.0 * row;
+    recorded.time.push_back(t);
+    recorded.signal(row, 0) =
+        3.5 + 1.3 * std::sin(0.0131 * t) + std::sin(0.0297 * t + 1) + 0.9 * std::sin(0.0413 * t + 2);
+  }
+  Eigen::VectorXd truth((*model)->parameter_count());
+  for (int p = 0; p < truth.size(); ++p)
+    truth[p] = (*model)->parameters[static_cast<std::size_t>(p)].spec.start;
+  StateSimulator simulator(*model);
+  simulator.SetParameters(truth);
+  StateRun run;
+  simulator.Run(recorded, 0, kRows - 1, Eigen::Vector2d(3, 4), nullptr, run);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 0.02);
+  for (int row = 0; row < kRows; ++row) recorded.signal(row, 1) = run.outputs(row, 0) + normal(random);
+  const StateExperiment experiment = ProposeStateExperiment(ExplainStates(*machine, episodes), episodes);
+  ASSERT_FALSE(experiment.unseen.empty());
+  ASSERT_FALSE(experiment.tried.empty());
+  EXPECT_FALSE(experiment.proposed())
+      << experiment.tried.front().standard_error << " of " << experiment.now.standard_error;
+}
+
 TEST(StateExperiment, InputsThatMoveSmoothlyDoSoWhenTheyRunSlower) {
   const Machine machine = [] {
     std::string text = kStore;

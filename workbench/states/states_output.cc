@@ -63,7 +63,7 @@ std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& 
   std::vector<std::string> values;
   for (const Estimate& e : parameters) {
     const EffectUnit unit = EstimateUnit(machine, e);
-    values.push_back(WithInterval(e.value * unit.factor, kNormal95 * e.std * unit.factor));
+    values.push_back(FoundWithInterval(e.value * unit.factor, kNormal95 * e.std * unit.factor));
     name_width = std::max(name_width, e.parameter.size());
     value_width = std::max(value_width, ShownWidth(values.back()));
     unit_width = std::max(unit_width, unit.name.size());
