@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/constants.h"
 #include "core/contains.h"
@@ -414,12 +415,13 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
 
 /// What may drift evenly may as well have changed once, where one step leaves less of the error.
 void DoubtDrift(std::span<const StrokeStretches> strokes, const WindowSamples& window, Explanation& out) {
-  if (!out.odd_strokes.empty()) return;
+  if (out.partial || !out.odd_strokes.empty()) return;
+  std::optional<StrokeSet> set;
   for (std::size_t group = 0; group < out.groups.size(); ++group)
     for (const auto& effect : out.model->effects) {
       if (effect->drifting.empty() || !Contains(out.groups[group], effect->id)) continue;
-      const StrokeSet set = StrokesOf(out.model, strokes, window, out.noise_scale)(out.model);
-      const auto step = StepInPlaceOf(set, out, static_cast<std::size_t>(out.started) + group, *effect);
+      if (!set) set.emplace(StrokesOf(out.model, strokes, window, out.noise_scale)(out.model));
+      const auto step = StepInPlaceOf(*set, out, static_cast<std::size_t>(out.started) + group, *effect);
       if (!step) continue;
       out.partial = true;
       out.doubt = Tell(
@@ -444,8 +446,8 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
   Explanation out = ExplainAsItIs(model, strokes, window, options);
   AllowForNoise(options, out);
   if (!IsOwnMachine(*model)) {
-    DoubtTime(strokes, options, out);
     DoubtDrift(strokes, window, out);
+    DoubtTime(strokes, options, out);
   }
   if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
   for (const std::string& id : options.start) {
