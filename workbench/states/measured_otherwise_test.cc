@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "diagnosis/states/other_causes/lag_fixture.h"
 #include "diagnosis/states/other_causes/level_fixture.h"
 #include "workbench/states/states_log.h"
 #include "workbench/states/states_output.h"
@@ -41,6 +42,27 @@ TEST(MeasuredOtherwise, ALogThatTheModelDescribesButForAConstantIsCalledSo) {
   EXPECT_THAT(text, HasSubstr("Read y where its true value is known"));
   EXPECT_THAT(text, Not(HasSubstr("An error is there")));
   EXPECT_TRUE(ExplainJson(*explained)["only_zeros"].get<bool>());
+}
+
+/// Straight lines, which a file means that says nothing, leave a little more than noise, in which nothing is predictable.
+TEST(MeasuredOtherwise, NoAllClearStandsWhereAnotherHoldLeavesLessThanTheNoise) {
+  EpisodeLog log;
+  log.episodes = {LagEpisode({.sensor = 0.008})};
+  for (const bool stated : {false, true}) {
+    log.machine = LagMachine(stated ? "hold = \"zero\"\noutputs_late = 0.025\n" : "",
+                             "[[effect]]\nid = \"cubic\"\nadds = { x = \"-c*x*x*x\" }\n"
+                             "parameters = { c = { start = 1, min = 0, max = 100 } }\n");
+    const auto explained = ExplainReadEpisodes(log);
+    ASSERT_TRUE(explained) << explained.error().text;
+    EXPECT_EQ(explained->explanation.verdict, stated ? Verdict::kUnknown : Verdict::kAdequate);
+    EXPECT_EQ(explained->log.machine.log.hold, stated ? InputHold::kZero : InputHold::kSmooth);
+    EXPECT_THAT(ExplainText(*explained), HasSubstr("hold = \"smooth\""));
+    const auto fit = FitEpisodes(log);
+    ASSERT_TRUE(fit) << fit.error().text;
+    EXPECT_EQ(fit->log.machine.log.hold, explained->log.machine.log.hold);
+    EXPECT_EQ(fit->noise_alone(), !stated);
+    EXPECT_THAT(FitText(*fit), HasSubstr("hold = \"smooth\""));
+  }
 }
 
 }  // namespace
