@@ -142,9 +142,9 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
   const bool in_doubt = out.left.structured || out.slow();
   MeasuredOtherwise otherwise;
-  if (in_doubt || out.noise_alone())
+  if (in_doubt || out.dynamics || out.noise_alone())
     otherwise = FindMeasuredOtherwise(out.fit, log.episodes,
-                                      in_doubt ? LeftBySampling::kDoubt : LeftBySampling::kNoise);
+                                      out.noise_alone() ? LeftBySampling::kNoise : LeftBySampling::kDoubt);
   if (const TakenOtherwise taken = TakeOtherwise(otherwise, log); taken != TakenOtherwise::kNothing) {
     auto with_it = FitEpisodes(std::move(log));
     if (with_it && taken == TakenOtherwise::kZeros) with_it->zeros = otherwise.zeros;

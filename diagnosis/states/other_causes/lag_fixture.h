@@ -26,6 +26,10 @@ inline double Filtered(double time) {
   return u;
 }
 inline double Stepped(double time) { return Filtered(kLagPeriod * std::floor(time / kLagPeriod + 1e-6)); }
+inline double OnLines(double time) {
+  const double row = std::floor(time / kLagPeriod + 1e-6), share = time / kLagPeriod - row;
+  return (1 - share) * Filtered(kLagPeriod * row) + share * Filtered(kLagPeriod * (row + 1));
+}
 inline double Proportional(double) { return 0; }
 inline double Hardening(double x) { return -400 * x * x * x; }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/short_number.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
+#include "diagnosis/states/remainder.h"
 #include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/tangent.h"
 #include "estimation/column_products.h"
@@ -90,11 +92,18 @@ class OtherSamplings {
   }
 
   bool LeavesClearlyLess(const Way& way, const SampledFit& as_stated) const {
-    if (left_ == LeftBySampling::kDoubt) return way.sampling.error <= options_.less_error;
+    const bool in_doubt = left_ == LeftBySampling::kDoubt;
+    if (in_doubt && way.sampling.error <= options_.less_error) return true;
     if (way.fit.energy > (1 - options_.least_share) * as_stated.energy) return false;
     const ExplainStatesOptions options;
     const auto candidate = [](const StateFit& fit) { return StateCandidate{{}, fit, fit.HeldOutEnergy()}; };
-    return SetComparison(options).Better(candidate(as_stated.fit), {}, candidate(way.fit.fit));
+    return SetComparison(options).Better(candidate(as_stated.fit), {}, candidate(way.fit.fit)) &&
+           (!in_doubt || LeavesNoise(way.fit.fit));
+  }
+
+  bool LeavesNoise(const StateFit& fit) const {
+    const StateRemainder left = RemainderOf(fit, few_);
+    return !left.structured && !left.doubtful && !FindMissingDynamics(fit, left, few_);
   }
 
   /// The other holds from where the best way ended: far from there a fit finds no way back. Inputs that are held are half a row older

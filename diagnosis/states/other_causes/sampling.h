@@ -14,11 +14,12 @@ namespace hydroscope {
 struct SamplingOptions {
   int rows = 4000;      ///< that other ways are tried on
   int iterations = 10;  ///< of each fit
-  double less_error =
-      0.8;  ///< rms error over that of what the file says, below which another way is told of ...
-  /// ... where a law may be missing, of which any way takes something away. Where what is left seems to be noise, another is told
-  /// of that takes away as much as an effect must there (SetComparison::Better), and this share of the energy: less is not worth
-  /// a law either (StateRemainderOptions::min_share).
+  /// Rms error over that of what the file says, below which another way is told of where a law may be missing: any way takes
+  /// something of that away.
+  double less_error = 0.8;
+  /// Where what is left seems to be noise, or is with another way, that is told of if it takes away as much as an effect must where
+  /// nothing is predictable (SetComparison::Better), and this share of the energy: less is not worth a law either
+  /// (StateRemainderOptions::min_share).
   double least_share = 0.03;
   double plainer =
       1.1;  ///< a way that leaves so much more than the best, but differs from the file in one thing, is taken
