@@ -135,7 +135,8 @@ class OtherSamplings {
     StateStart start{from.parameters, from.initial};
     start.initial.resize(few_.size());
     StateFitOptions short_fit;
-    short_fit.iterations = options_.iterations;
+    short_fit.iterations =
+        left_ == LeftBySampling::kNoise ? options_.iterations_in_noise : options_.iterations;
     SampledFit out{RefitStates(*model, few_, std::span(&start, 1), fit_.noise, short_fit)};
     if (out.solved()) out.energy = out.fit.noise.cwiseQuotient(fit_.noise).squaredNorm();
     return out;

@@ -13,7 +13,9 @@ namespace hydroscope {
 /// `hydroscope benchmark state-machines`.
 struct SamplingOptions {
   int rows = 4000;      ///< that other ways are tried on
-  int iterations = 10;  ///< of each fit
+  int iterations = 10;  ///< of each fit ...
+  /// ... and where what is left seems to be noise: differences are small there, and a fit that is not at its end covers them.
+  int iterations_in_noise = 40;
   /// Rms error over that of what the file says, below which another way is told of where a law may be missing: any way takes
   /// something of that away.
   double less_error = 0.8;

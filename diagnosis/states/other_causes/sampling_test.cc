@@ -74,20 +74,21 @@ TEST(Sampling, WhereTheFileSaysHowOldOutputsAreNothingElseIsTold) {
 /// Noise of the sensor covers most of what straight lines lose.
 constexpr double kCovering = 0.008;
 
-TEST(Sampling, WhereNoiseSeemsToBeLeftAnotherHoldThatLeavesALittleLessIsFound) {
-  const LagLog lag{Filtered, Proportional, 0, kCovering};
-  EXPECT_FALSE(FoundOf(lag, kLinear));
-  const auto found = FoundOf(lag, kLinear, LeftBySampling::kNoise);
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->hold, InputHold::kSmooth);
-  EXPECT_FALSE(found->is_late);
-  EXPECT_GT(found->error, 0.8);
+TEST(Sampling, AnotherHoldThatLeavesALittleLessIsFoundWhereItLeavesNoise) {
+  for (const LeftBySampling left : {LeftBySampling::kNoise, LeftBySampling::kDoubt}) {
+    const auto found = FoundOf({Filtered, Proportional, 0, kCovering}, kLinear, left);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->hold, InputHold::kSmooth);
+    EXPECT_FALSE(found->is_late);
+    EXPECT_GT(found->error, SamplingOptions().less_error);
+  }
 }
 
 TEST(Sampling, WhereNoiseIsLeftNoOtherIsFound) {
   for (const unsigned seed : {1, 2, 3}) {
     EXPECT_FALSE(FoundOf({Filtered, Proportional, 0, kCovering, seed}, kSmooth, LeftBySampling::kNoise));
     EXPECT_FALSE(FoundOf({Stepped, Proportional, 0, kCovering, seed}, kZero, LeftBySampling::kNoise));
+    EXPECT_FALSE(FoundOf({Filtered, Proportional, 0, kCovering, seed}, kSmooth));
   }
 }
 
