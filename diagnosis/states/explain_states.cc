@@ -245,6 +245,13 @@ void StatesExplanation::LeaveUnknown(std::vector<std::string> helped) {
   partial = !nearest.empty();
 }
 
+void StatesExplanation::LeaveDoubt() {
+  if (verdict == Verdict::kAdequate)
+    LeaveUnknown({});
+  else
+    partial = partial || verdict != Verdict::kUnknown;
+}
+
 double StatesExplanation::Unexplained(const StateCandidate& by, const StateRemainder& left) const {
   if (!left.structured) return 0;
   const double predictable = base.held_out * base_left.least_share;

@@ -54,6 +54,8 @@ struct ExplainStatesOptions {
   double sure_t = 4;  ///< ... and its t there
   /// Of the energy that functions can predict: what a further effect must take away.
   double min_removed = 0.2;
+  /// Of all that is left where nothing is named: from which share on the best single effect is told as nearest.
+  double nearest_removed = 0.1;
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   /// Of that energy: what a complete explanation may leave; of n effects 1/n^2 of it.
   double left_share = 0.04;
@@ -121,6 +123,9 @@ struct StatesExplanation {
 
   /// Nothing is named; `helped`: the effects that explain a part.
   void LeaveUnknown(std::vector<std::string> helped);
+
+  /// What is left is no noise, though nothing predicts it: no all-clear, and what is named is flagged.
+  void LeaveDoubt();
 
   /// Its effects stand beside the one of the set that it does without, which makes the verdict ambiguous.
   void AddRival(StateCandidate rival);

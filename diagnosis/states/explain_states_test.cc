@@ -167,6 +167,17 @@ parameters = { e = { start = 0, min = -1, max = 1, unit = "m/s" } }
   EXPECT_EQ(x.steps.back().first, "bent_valve");
 }
 
+double WavyAndALittleBent(double u) { return 0.2 * std::sin(9 * u) + 0.65 * u * std::abs(u); }
+
+/// Too little of the error to be taken, beside a law that nobody has named.
+TEST(ExplainStates, WhatTakesAPartAwayIsToldAsNearestThoughItIsTooLittleToBeTaken) {
+  const StatesExplanation x = ExplainPushed(WavyAndALittleBent, {.back = 30, .sensor = 2e-3});
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(x.final.added.empty());
+  EXPECT_EQ(x.nearest, std::vector<std::string>{"bent_valve"});
+  EXPECT_TRUE(x.partial);
+}
+
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.
 TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
   const std::string_view all = kPushedCylinder;

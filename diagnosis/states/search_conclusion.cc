@@ -41,12 +41,14 @@ class SearchConclusion {
     }
     if (MayLackLaw()) {
       out_.warnings.push_back(MayBeMissing(out_.final_left));
-      out_.LeaveUnknown(out_.final.added);
+      out_.LeaveUnknown(Nearest());
       return;
     }
     if (out_.final.added.empty()) {
-      out_.verdict =
-          out_.base_left.structured || out_.dynamics || out_.drift ? Verdict::kUnknown : Verdict::kAdequate;
+      if (out_.base_left.structured || out_.dynamics || out_.drift)
+        out_.LeaveUnknown(Nearest());
+      else
+        out_.verdict = Verdict::kAdequate;
       return;
     }
     const double slow = out_.dynamics ? 0 : out_.SlowShare();
@@ -72,6 +74,17 @@ class SearchConclusion {
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;
     for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
+  }
+
+  /// What was found explains, or where that is nothing the best single effect, if it is too weak to be taken by itself alone.
+  std::vector<std::string> Nearest() const {
+    if (!out_.final.added.empty() || out_.ranking.empty()) return out_.final.added;
+    const StateCandidate& best = out_.ranking.front();
+    if (!best.fitted()) return {};
+    const auto [removed, t] = PairedGain(out_.base.fit.HeldOutEnergies(), best.fit.HeldOutEnergies());
+    const bool helps = removed > options_.min_gain * EvidenceOf(best) && t > options_.few_t &&
+                       removed > options_.nearest_removed * out_.base.held_out;
+    return helps ? best.added : std::vector<std::string>();
   }
 
   /// Energy that the effects of the set found that `other` has not remove beyond those that both have.

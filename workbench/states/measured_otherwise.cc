@@ -15,11 +15,11 @@ bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
 /// takes nothing of its error away.
 std::optional<OtherSampling> SamplingOf(const StatesExplanation& x, std::span<const Episode> fitted) {
   const SamplingOptions options;
-  auto other = FindOtherSampling(x.final.fit, fitted, options);
+  auto other = FindOtherSampling(x.final.fit, fitted, LeftBySampling::kDoubt, options);
   for (const StateCandidate& rival : x.ranking)
     if (!other && rival.fitted() && rival.added != x.final.added && rival.fit.runs.size() == fitted.size() &&
         rival.held_out <= options.rivals * x.final.held_out)
-      other = FindOtherSampling(rival.fit, fitted, options);
+      other = FindOtherSampling(rival.fit, fitted, LeftBySampling::kDoubt, options);
   return other;
 }
 
@@ -37,14 +37,18 @@ std::optional<MissingZeros> ZerosOf(const StatesExplanation& x, std::span<const 
 
 }  // namespace
 
-MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Episode> episodes) {
-  return {FindOtherSampling(fit, episodes), FindMissingZeros(fit, episodes)};
+MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Episode> episodes,
+                                        LeftBySampling left) {
+  MeasuredOtherwise otherwise{FindOtherSampling(fit, episodes, left), {}};
+  if (left == LeftBySampling::kDoubt) otherwise.zeros = FindMissingZeros(fit, episodes);
+  return otherwise;
 }
 
 MeasuredOtherwise FindMeasuredOtherwise(const StatesExplanation& found, std::span<const Episode> fitted) {
   MeasuredOtherwise otherwise;
   const bool in_doubt = found.verdict == Verdict::kUnknown || found.partial;
-  if (in_doubt) otherwise.sampling = SamplingOf(found, fitted);
+  otherwise.sampling = in_doubt ? SamplingOf(found, fitted)
+                                : FindOtherSampling(found.final.fit, fitted, LeftBySampling::kNoise);
   if (in_doubt || found.final.added.size() > 1) otherwise.zeros = ZerosOf(found, fitted);
   return otherwise;
 }

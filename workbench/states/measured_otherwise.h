@@ -17,10 +17,11 @@ struct MeasuredOtherwise {
   std::optional<MissingZeros> zeros;
 };
 
-/// Asked of a fit that leaves more than noise.
-MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Episode> episodes);
+/// Asked of a fit. Where that seems to leave noise no zeros are looked for.
+MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Episode> episodes,
+                                        LeftBySampling left);
 
-/// Asked of what was found, where that leaves a doubt; `fitted`: the episodes or short runs that it was found on.
+/// Asked of what was found; `fitted`: the episodes or short runs that it was found on.
 MeasuredOtherwise FindMeasuredOtherwise(const StatesExplanation& found, std::span<const Episode> fitted);
 
 enum class TakenOtherwise { kNothing, kSampling, kZeros };

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "diagnosis/states/other_causes/lag_fixture.h"
 #include "diagnosis/states/other_causes/level_fixture.h"
 #include "workbench/states/states_log.h"
 #include "workbench/states/states_output.h"
@@ -41,6 +42,40 @@ TEST(MeasuredOtherwise, ALogThatTheModelDescribesButForAConstantIsCalledSo) {
   EXPECT_THAT(text, HasSubstr("Read y where its true value is known"));
   EXPECT_THAT(text, Not(HasSubstr("An error is there")));
   EXPECT_TRUE(ExplainJson(*explained)["only_zeros"].get<bool>());
+}
+
+constexpr const char* kCubic =
+    "[[effect]]\nid = \"cubic\"\nadds = { x = \"-c*x*x*x\" }\nparameters = { c = { start = 1, min = 0, max = 100 } }\n";
+
+/// Straight lines, which a file means that says nothing, leave a little more than noise.
+TEST(MeasuredOtherwise, AHoldThatTheFileLeavesOpenIsTakenWhereItLeavesNoiseAlone) {
+  EpisodeLog log;
+  log.machine = LagMachine("", kCubic);
+  log.episodes = {LagEpisode({.sensor = 0.008})};
+  const auto explained = ExplainReadEpisodes(log);
+  ASSERT_TRUE(explained) << explained.error().text;
+  EXPECT_EQ(explained->explanation.verdict, Verdict::kAdequate);
+  EXPECT_EQ(explained->log.machine.log.hold, InputHold::kSmooth);
+  const auto fit = FitEpisodes(log);
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_EQ(fit->log.machine.log.hold, InputHold::kSmooth);
+  EXPECT_TRUE(fit->noise_alone());
+}
+
+TEST(MeasuredOtherwise, NoAllClearStandsWhereAnotherHoldThanTheOneStatedLeavesLess) {
+  EpisodeLog log;
+  log.machine = LagMachine("hold = \"smooth\"\n", kCubic);
+  log.episodes = {LagEpisode({.input = OnLines, .sensor = 0.01})};
+  const auto explained = ExplainReadEpisodes(log);
+  ASSERT_TRUE(explained) << explained.error().text;
+  EXPECT_EQ(explained->explanation.verdict, Verdict::kUnknown);
+  EXPECT_EQ(explained->log.machine.log.hold, InputHold::kSmooth);
+  EXPECT_THAT(ExplainText(*explained), HasSubstr("hold = \"linear\""));
+  const auto fit = FitEpisodes(log);
+  ASSERT_TRUE(fit) << fit.error().text;
+  EXPECT_EQ(fit->log.machine.log.hold, InputHold::kSmooth);
+  EXPECT_FALSE(fit->noise_alone());
+  EXPECT_THAT(FitText(*fit), HasSubstr("hold = \"linear\""));
 }
 
 }  // namespace

@@ -139,19 +139,23 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", log.machine.name, out.fit.failed));
   out.left = JudgedRemainder(out.fit, log.episodes, start.options);
   out.error = ErrorOf(out.fit, out.left);
-  if (out.left.structured || out.slow()) {
-    const MeasuredOtherwise otherwise = FindMeasuredOtherwise(out.fit, log.episodes);
-    if (const TakenOtherwise taken = TakeOtherwise(otherwise, log); taken != TakenOtherwise::kNothing) {
-      auto with_it = FitEpisodes(std::move(log));
-      if (with_it && taken == TakenOtherwise::kZeros) with_it->zeros = otherwise.zeros;
-      return with_it;
-    }
-    out.other_sampling = otherwise.sampling;
+  out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
+  const bool in_doubt = out.left.structured || out.slow();
+  MeasuredOtherwise otherwise;
+  if (in_doubt || out.dynamics || out.noise_alone())
+    otherwise = FindMeasuredOtherwise(out.fit, log.episodes,
+                                      out.noise_alone() ? LeftBySampling::kNoise : LeftBySampling::kDoubt);
+  if (const TakenOtherwise taken = TakeOtherwise(otherwise, log); taken != TakenOtherwise::kNothing) {
+    auto with_it = FitEpisodes(std::move(log));
+    if (with_it && taken == TakenOtherwise::kZeros) with_it->zeros = otherwise.zeros;
+    return with_it;
+  }
+  out.other_sampling = otherwise.sampling;
+  if (in_doubt) {
     out.doubted_limit = FindDoubtedLimit(out.fit, log.episodes);
     out.missing_limit = FindMissingLimit(out.fit, log.episodes);
   }
   out.drift = FindParameterDrift(out.fit, out.left);
-  out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
   if (Coloured(out.error, out.left))
     if (const auto other = FindOtherBeginning(out.fit, log.episodes))
       log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));
@@ -231,7 +235,10 @@ Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
   }
   for (Told& warning : InitialWarnings(x.base.fit, out.log.episodes))
     out.log.warnings.push_back(std::move(warning));
-  if (otherwise.sampling) out.log.warnings.push_back(OtherSamplingText(*otherwise.sampling));
+  if (otherwise.sampling) {
+    out.log.warnings.push_back(OtherSamplingText(*otherwise.sampling));
+    out.explanation.LeaveDoubt();
+  }
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);

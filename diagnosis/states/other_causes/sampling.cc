@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "core/short_number.h"
+#include "diagnosis/states/other_causes/missing_dynamics.h"
+#include "diagnosis/states/remainder.h"
+#include "diagnosis/states/set_comparison.h"
 #include "diagnosis/states/tangent.h"
 #include "estimation/column_products.h"
 #include "estimation/decompositions.h"
@@ -37,8 +40,9 @@ RowMatrix OutputRates(const StateRun& run, const Episode& episode) {
 
 class OtherSamplings {
  public:
-  OtherSamplings(const StateFit& fit, std::span<const Episode> episodes, const SamplingOptions& options)
-      : fit_(fit), options_(options), few_(shooting::FirstRows(episodes, options.rows)) {
+  OtherSamplings(const StateFit& fit, std::span<const Episode> episodes, LeftBySampling left,
+                 const SamplingOptions& options)
+      : fit_(fit), left_(left), options_(options), few_(shooting::FirstRows(episodes, options.rows)) {
     for (const Episode& episode : few_) {
       for (std::size_t row = 1; row < episode.time.size(); ++row)
         period_ += episode.time[row] - episode.time[row - 1];
@@ -61,7 +65,7 @@ class OtherSamplings {
       if (looks_for_time) Take(ways, OlderWith(hold, 0, held), as_stated);
       Take(ways, {{hold, stated.outputs_late.value_or(0)}, std::move(held)}, as_stated);
     }
-    if (looks_for_time && ways.front().sampling.error <= options_.less_error) TakeLikeBest(ways, as_stated);
+    if (looks_for_time && ways.front().clear) TakeLikeBest(ways, as_stated);
     return Plainest(ways);
   }
 
@@ -69,6 +73,7 @@ class OtherSamplings {
   struct Way {
     OtherSampling sampling;
     SampledFit fit;
+    bool clear = false;  ///< it leaves clearly less than what the file says
   };
 
   /// Into the list, best first.
@@ -80,9 +85,25 @@ class OtherSamplings {
     sampling.late_rows = sampling.late / period_;
     sampling.error = std::sqrt(way.fit.energy / as_stated.energy);
     if (!way.fit.solved()) return;
+    way.clear = LeavesClearlyLess(way, as_stated);
     const auto at = std::ranges::upper_bound(ways, sampling.error, {},
                                              [](const Way& other) { return other.sampling.error; });
     ways.insert(at, std::move(way));
+  }
+
+  bool LeavesClearlyLess(const Way& way, const SampledFit& as_stated) const {
+    const bool in_doubt = left_ == LeftBySampling::kDoubt;
+    if (in_doubt && way.sampling.error <= options_.less_error) return true;
+    if (way.fit.energy > (1 - options_.least_share) * as_stated.energy) return false;
+    const ExplainStatesOptions options;
+    const auto candidate = [](const StateFit& fit) { return StateCandidate{{}, fit, fit.HeldOutEnergy()}; };
+    return SetComparison(options).Better(candidate(as_stated.fit), {}, candidate(way.fit.fit)) &&
+           (!in_doubt || LeavesNoise(way.fit.fit));
+  }
+
+  bool LeavesNoise(const StateFit& fit) const {
+    const StateRemainder left = RemainderOf(fit, few_);
+    return !left.structured && !left.doubtful && !FindMissingDynamics(fit, left, few_);
   }
 
   /// The other holds from where the best way ended: far from there a fit finds no way back. Inputs that are held are half a row older
@@ -114,7 +135,8 @@ class OtherSamplings {
     StateStart start{from.parameters, from.initial};
     start.initial.resize(few_.size());
     StateFitOptions short_fit;
-    short_fit.iterations = options_.iterations;
+    short_fit.iterations =
+        left_ == LeftBySampling::kNoise ? options_.iterations_in_noise : options_.iterations;
     SampledFit out{RefitStates(*model, few_, std::span(&start, 1), fit_.noise, short_fit)};
     if (out.solved()) out.energy = out.fit.noise.cwiseQuotient(fit_.noise).squaredNorm();
     return out;
@@ -159,20 +181,19 @@ class OtherSamplings {
 
   /// The best way; of those that leave hardly more the one that differs from the file in least, and by the least age.
   std::optional<OtherSampling> Plainest(const std::vector<Way>& ways) const {
+    if (!ways.front().clear) return std::nullopt;
     const double best = ways.front().sampling.error;
-    if (best > options_.less_error) return std::nullopt;
     const auto changes = [](const OtherSampling& way) {
       return std::pair(int{way.holds_otherwise} + int{way.is_late}, std::abs(way.late_rows));
     };
     OtherSampling plainest = ways.front().sampling;
-    for (const auto& [way, fit] : ways)
-      if (way.error <= options_.plainer * best && way.error <= options_.less_error &&
-          changes(way) < changes(plainest))
-        plainest = way;
+    for (const auto& [way, fit, clear] : ways)
+      if (clear && way.error <= options_.plainer * best && changes(way) < changes(plainest)) plainest = way;
     return plainest;
   }
 
   const StateFit& fit_;
+  const LeftBySampling left_;
   const SamplingOptions& options_;
   const std::vector<Episode> few_;
   double period_ = 0;  ///< s from row to row on the mean
@@ -211,9 +232,9 @@ Told Meaning(const OtherSampling& other) {
 }  // namespace
 
 std::optional<OtherSampling> FindOtherSampling(const StateFit& fit, std::span<const Episode> episodes,
-                                               const SamplingOptions& options) {
+                                               LeftBySampling left, const SamplingOptions& options) {
   if (fit.model->inputs.empty()) return std::nullopt;
-  return OtherSamplings(fit, episodes, options).Find();
+  return OtherSamplings(fit, episodes, left, options).Find();
 }
 
 Told OtherSamplingText(const OtherSampling& other) {
