@@ -56,8 +56,6 @@ class EffectRanking {
   EffectRanking(const StrokeSet& strokes, const ExplainOptions& options, double noise_variance)
       : strokes_(strokes), options_(options), noise_(noise_variance) {}
 
-  /// Effect number `effect` of the library on top of a model.
-  RankedEffect Try(const CandidateModel& on, int effect) const;
   /// Every named effect that is not in `on` yet, best first; those that cannot be fitted come last.
   std::vector<RankedEffect> Rank(const CandidateModel& on) const;
   /// Generic laws on top of `on` (ModelStructure::generic_laws), best first.
@@ -105,6 +103,8 @@ class EffectRanking {
                             double gain) const;
   /// A twin that explains about as much and misses the limits of what stands out, which the best one just keeps.
   bool IsWeakTwin(const RankedEffect& candidate, const RankedEffect& best, double gain) const;
+  /// Effect number `effect` of the library on top of a model.
+  RankedEffect Try(const CandidateModel& on, int effect) const;
   /// How an effect was tried, in any of its shapes.
   struct Tried {
     bool separable;  ///< it is told from the model

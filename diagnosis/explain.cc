@@ -26,6 +26,16 @@ double TrifleOf(const StrokeSet& strokes, const ExplainOptions& options) {
   return options.trifle * options.trifle * strokes.OutputEnergy() / strokes.equations();
 }
 
+/// On the model as it is sizes scatter also by what it misses: what can be told beside what was found can be told.
+void TakeAsTested(const std::vector<RankedEffect>& beside, Explanation& out) {
+  for (RankedEffect& ranked : out.ranking) {
+    const auto tested = std::ranges::find(beside, ranked.id, &RankedEffect::id);
+    if (ranked.testable || !ranked.fit.solved || tested == beside.end() || !tested->testable) continue;
+    ranked.testable = true;
+    ranked.why_not = {};
+  }
+}
+
 /// One run of the chain over one set of Grams.
 class Explainer {
  public:
@@ -72,7 +82,6 @@ class Explainer {
   std::optional<CandidateModel> Search(Explanation& out) const;
   void TakeSteps(const CandidateModel& model, Explanation& out) const;
   void AddSharers(const CandidateModel& model, Explanation& out) const;
-  void TestBeside(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
   Told PairThatLeavesLess(const Explanation& out) const;
   void LookForMore(Explanation& out) const;
@@ -249,20 +258,12 @@ void Explainer::AddSharers(const CandidateModel& model, Explanation& out) const 
   }
 }
 
-/// On the model as it is sizes scatter also by what it misses: what can be told beside what was found can be told.
-void Explainer::TestBeside(const CandidateModel& model, Explanation& out) const {
-  for (RankedEffect& ranked : out.ranking) {
-    if (ranked.testable || !ranked.fit.solved || options_.untestable.contains(ranked.id)) continue;
-    if (!ranking_.Try(model, ranked.effect).testable) continue;
-    ranked.testable = true;
-    ranked.why_not = {};
-  }
-}
-
 /// The right law leaves no scraps for another to pick up.
 void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) const {
+  const std::vector<RankedEffect> beside = ranking_.Rank(model);
+  TakeAsTested(beside, out);
   if (IsBelowFloor(model.fit)) return;
-  for (const auto& further : {ranking_.Rank(model), ranking_.RankGeneric(model)}) {
+  for (const auto& further : {beside, ranking_.RankGeneric(model)}) {
     if (further.empty() || !further.front().fit.solved || further.front().gain <= out.remainder) continue;
     out.remainder = further.front().gain;
     out.remainder_law = further.front().id;
@@ -381,7 +382,6 @@ Explanation Explainer::Run() {
   }
   TakeSteps(*model, out);
   AddSharers(*model, out);
-  TestBeside(*model, out);
   FindRemainder(*model, out);
   FindMargin(strokes_, options_, start_, ranking_, out);
   Judge(out);
