@@ -26,8 +26,8 @@ export long=-FrequencyResponse.Intervals*:FrequencyResponse.Broadband*:*Enduranc
 :StrokeClusters.Intervals*:Imperfections.Of*:Imperfections.Intermittent*:RandomMachine.IsValid*:SimulatePress.EveryEffect*\
 :Standstill.Healthy*:Predictability.FindsNothingIn*:MissingDynamics.Noise*:MissingLimit.A*:StateLimit.OneBelow*:ParameterDrift.*\
 :ExplainStates.ACube*:ExplainStates.AStop*:ExplainStates.ARival*:ExplainStates.Names*:ExplainStates.FindsNothing*\
-:ExplainStates.Gives*:ExplainStates.WhatStandsIn*:ExplainStates.CallsA*:ExplainSamples.Without*:ExperimentOfADrift.*:ExperimentTest.Recorded*:Sampling.How*\
-:StateExperiment.WhatIsProposed*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*\
+:ExplainStates.Gives*:ExplainStates.WhatStandsIn*:ExplainStates.CallsA*:ExplainSamples.Without*:ExperimentOfADrift.*:ExperimentTest.Recorded*:Sampling.How*:Sampling.WhereNoise*\
+:StateExperiment.WhatIsProposed*:StateExperiment.NoRecord*:OddStrokes.After*:OddStrokes.ALaw*:OddStrokes.ALeak*:OddStrokes.ABad*:OddStrokes.Another*\
 :OddStrokes.OneChange*
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
 test_folder() {
