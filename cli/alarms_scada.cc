@@ -48,8 +48,8 @@ Json RowJson(const ScadaRow& r) {
           {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", r.value}};
 }
 
-/// Why a parameter's value is not of the last stroke or episode (registers do not say which it is), or is not to be trusted; "" if
-/// neither.
+/// Why a parameter's value is not of the last stroke or episode (registers do not say which it is), or is not to be
+/// trusted; "" if neither.
 std::string QualityText(int quality) {
   static constexpr std::array kReasons = {"",
                                           "nothing yet",

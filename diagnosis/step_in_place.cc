@@ -31,17 +31,17 @@ std::optional<StepInPlace> StepInPlaceOf(const StrokeSet& strokes, const Explana
   const ModelStructure& model = strokes.model();
   std::vector<EffectChoice> others = found.chosen;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(at));
-  const ExtendedFit without = strokes.Fit(others);
-  if (!without.solved) return std::nullopt;
+  const std::vector<std::size_t> usable = strokes.Usable(found.chosen);
+  const StrokeSet used = strokes.Only(usable);
+  const ExtendedFit without = used.Fit(others), with = used.Fit(found.chosen);
+  if (!without.solved || !with.solved) return std::nullopt;
   const std::vector<DerivedParameter> derived = model.derive(without.theta.head(model.base_count));
   const auto parameter = std::ranges::find(derived, drift.drifting.english, &DerivedParameter::name);
   if (parameter == derived.end()) return std::nullopt;
 
-  const Eigen::VectorXd error = ErrorWeights(model, without), as_chosen = ErrorWeights(model, found.final);
+  const Eigen::VectorXd error = ErrorWeights(model, without), as_chosen = ErrorWeights(model, with);
   const Eigen::MatrixXd free = FreeDirections(strokes, without);
   const Eigen::VectorXd move = MovesOf(model, derived).col(parameter - derived.begin());
-  const std::vector<std::size_t> usable = strokes.Usable(found.chosen);
-  const StrokeSet used = strokes.Only(usable);
   const Eigen::MatrixXd whole = used.Total();
   const std::vector<Eigen::MatrixXd> of_each = used.TotalOfEach();
 

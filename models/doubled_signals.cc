@@ -21,19 +21,18 @@ std::vector<DoubledSignals> DoubledSignalsOf(const Machine& machine) {
       if (!a.column.empty() && a.column == b.column)
         doubled.push_back(
             {first, second, false,
-             Tell(
-                 "{} and {} both read column '{}': unless that is meant, give each its own in [signals]",
-                 "{} und {} lesen beide Spalte '{}': wenn das nicht so gemeint ist, in [signals] jedem seine "
-                 "eigene geben",
-                 a.name, b.name, a.column)});
+             Tell("{} and {} both read column '{}': unless that is meant, give each its own in [signals]",
+                  "{} und {} lesen beide Spalte '{}': wenn das nicht so gemeint ist, "
+                  "in [signals] jedem seine eigene geben",
+                  a.name, b.name, a.column)});
       if (FromOnePlace(machine, a, b)) {
         const SourceKind& kind = *FindSourceKind(a.origin->part());
         doubled.push_back(
             {first, second, true,
              Tell(
                  "{} and {} come from one place ({}; {}): unless that is meant, give each its own in [signals]",
-                 "{} und {} kommen von derselben Stelle ({}; {}): wenn das nicht so gemeint ist, in [signals] jedem seine "
-                 "eigene geben",
+                 "{} und {} kommen von derselben Stelle ({}; {}): wenn das nicht so gemeint ist, "
+                 "in [signals] jedem seine eigene geben",
                  a.name, b.name, kind.write_origin(*a.origin), kind.write_origin(*b.origin))});
       }
     }

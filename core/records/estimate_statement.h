@@ -12,10 +12,10 @@ namespace hydroscope {
 /// not in its intervals. Every place that states a value by itself states it so; comparisons of strokes do without.
 struct EstimateStatement {
   std::string parameter;
-  double shared =
-      0;  ///< standard uncertainty that tolerances assumed of the geometry add, as a share of the value
-  double least_std =
-      0;  ///< SI, at least this much: that of a fit to strokes that hang together; 0: they do not
+  /// Standard uncertainty that tolerances assumed of the geometry add, as a share of the value.
+  double shared = 0;
+  /// SI, at least this much: that of a fit to strokes that hang together; 0: they do not.
+  double least_std = 0;
   bool confounded = false;  ///< what the strokes cannot show could move the value out of its interval
   Told why;                 ///< of `confounded`: what, and what to record; else ""
 

@@ -13,8 +13,8 @@ struct HeldOutRunOptions {
   int rows = 50;           ///< of a short run
   double more = 1.5;       ///< error over the fit's from which on a cause is looked for
   double as_fitted = 1.2;  ///< ... below which a run errs as it does on the log fitted
-  double moved =
-      1e-4;  ///< of a state's range, by which its run begins elsewhere where it is asked whether that grows
+  /// Of a state's range, by which its run begins elsewhere where it is asked whether that grows.
+  double moved = 1e-4;
   /// Largest difference of the states over a short run's rows, over that of the first ones, from which on it does: far more than a
   /// state that is not measured takes to reach those that are, far less than what a swing that loses its phase grows to.
   double magnified = 10;

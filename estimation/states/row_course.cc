@@ -8,16 +8,6 @@
 namespace hydroscope {
 namespace {
 
-/// Modified Bessel function of the first kind, order 0.
-double Bessel(double x) {
-  double term = 1, sum = 1;
-  for (int k = 1; term > 1e-12 * sum; ++k) {
-    term *= x * x / (4.0 * k * k);
-    sum += term;
-  }
-  return sum;
-}
-
 /// What the rows near by give to the mean over the time to the next row, and to the first moment about its middle, of motion that
 /// has nothing above half the sampling rate: cardinal series under a Kaiser window. What is straight stays straight.
 class BandLimited {
@@ -33,8 +23,8 @@ class BandLimited {
         const double share = (point + 0.5) / kPoints, away = share - k, within = away / kReach;
         const double sine = std::numbers::pi * away;
         const double weight = std::sin(sine) / sine *
-                              Bessel(kShape * std::sqrt(std::max(0.0, 1 - within * within))) /
-                              Bessel(kShape) / kPoints;
+                              std::cyl_bessel_i(0, kShape * std::sqrt(std::max(0.0, 1 - within * within))) /
+                              std::cyl_bessel_i(0, kShape) / kPoints;
         mean_[At(k)] += weight;
         moment_[At(k)] += weight * (share - 0.5);
       }
