@@ -67,5 +67,29 @@ TEST(HeldOutRun, ADisturbanceThatAddsUpIsNotAMachineThatMagnifiesDifferences) {
   EXPECT_EQ(texts.front().english.find("magnifies"), std::string::npos) << texts.front().english;
 }
 
+/// x' = x / 10 s: what a run begins with grows by a factor of 55 in 40 s.
+TEST(HeldOutRun, AStateThatRunsAwayMagnifiesDifferences) {
+  std::string text = kSlowStore;
+  text.replace(text.find("g*u - k*x"), 9, "g*u + k*x");
+  const auto machine = ParseMachine(text, "runaway");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto model = BuildStateModel(*machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 0.01);
+  Episode episode;
+  episode.signal.setZero(400, 2);
+  for (int row = 0; row < 400; ++row) {
+    episode.time.push_back(0.1 * row);
+    episode.signal(row, 1) = std::exp(0.01 * row) + normal(random);
+  }
+  const std::span<const Episode> episodes(&episode, 1);
+  const Eigen::Vector2d truth(1, 0.1);
+  const StateFit fit = FollowStates(*model, episodes, truth, Eigen::VectorXd::Constant(1, 0.01));
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  const HeldOutRun run = LookAtHeldOut(fit, episodes, fit, episodes, {.more = 0, .as_fitted = 1e9});
+  EXPECT_TRUE(run.magnifies);
+}
+
 }  // namespace
 }  // namespace hydroscope
