@@ -172,7 +172,7 @@ class ExperimentSearch {
   }
 
   /// Parameter with the largest standard error of those not seen; below 0: there is none.
-  int WorstSeen(const Eigen::MatrixXd& covariance) const {
+  int LeastSeen(const Eigen::MatrixXd& covariance) const {
     const StateModel& model = *rivals_.front().at.model;
     int worst = -1;
     for (int p = 0; p < model.parameter_count(); ++p)
@@ -184,7 +184,7 @@ class ExperimentSearch {
 
   double UnseenError(const Eigen::MatrixXd& products) const {
     const Eigen::MatrixXd covariance = RelativeCovariance(rivals_.front().at, products);
-    const int worst = WorstSeen(covariance);
+    const int worst = LeastSeen(covariance);
     return worst < 0 ? 0 : std::sqrt(std::max(0.0, covariance(worst, worst)));
   }
 
@@ -200,15 +200,13 @@ class ExperimentSearch {
   }
 
   bool ShowsWhatItPromises(const TriedRecord& tried) const {
-    constexpr double kMoved = 0.1;      // of the parameter seen least
-    constexpr double kPromised = 0.25;  // of the energy foreseen, below which the record is refuted
     const StateFit& fit = rivals_.front().at;
     const Eigen::MatrixXd covariance = RelativeCovariance(fit, known_.front());
-    const int worst = WorstSeen(covariance);
+    const int worst = LeastSeen(covariance);
     Eigen::VectorXd moved = fit.parameters;
     for (int p = 0; p < moved.size(); ++p)
       if (!fit.at_limit[static_cast<std::size_t>(p)])
-        moved[p] *= std::exp(kMoved * covariance(p, worst) / covariance(worst, worst));
+        moved[p] *= std::exp(options_.moved * covariance(p, worst) / covariance(worst, worst));
     StateSimulator simulator(fit.model);
     simulator.SetParameters(fit.parameters);
     StateRun run;
@@ -223,8 +221,8 @@ class ExperimentSearch {
       for (Eigen::Index row = 0; row < followed.residuals.front().rows(); ++row)
         if (const double error = followed.residuals.front()(row, j) / fit.noise[j]; std::isfinite(error))
           energy += error * error;
-    const double promised = kMoved / std::max(tried.standard_error, 1e-6);
-    return energy > kPromised * promised * promised;
+    const double promised = options_.moved / std::max(tried.standard_error, 1e-6);
+    return energy > options_.least_promised * promised * promised;
   }
 
   void Sort() {

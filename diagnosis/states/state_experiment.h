@@ -17,6 +17,9 @@ struct StateExperimentOptions {
   int most_rivals = 4;        ///< models that are held apart, best first
   double seen = 0.7;          ///< standard error of a relative change below which a parameter is seen ...
   double clearly_seen = 0.1;  ///< ... and below which nothing more is asked for
+  /// Share of the parameter seen least by which parameters are moved where a record is to show what it promises, and the share of
+  /// the energy foreseen below which it does not.
+  double moved = 0.1, least_promised = 0.25;
 };
 
 /// A record that might be made, simulated.
