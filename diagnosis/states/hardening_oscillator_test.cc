@@ -99,10 +99,18 @@ StatesExplanation Explained(const Episode& episode, const std::string& file = kO
 
 /// So hard a spring swings chaotically: two runs that begin a millionth apart part within a thousand rows.
 TEST(ExplainStates, NamesASpringThatHardensSoMuchThatNoFreeRunFollows) {
-  const StatesExplanation x = Explained(OscillatorLog({525, 25, 1e5, 0, 1}, 1000, 5));
+  const StatesExplanation x = Explained(OscillatorLog({525, 25, 1e5, 0, 1}, 1000, 6));
   EXPECT_EQ(x.verdict, Verdict::kNamed);
   EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
   EXPECT_FALSE(x.runs.empty());
+  EXPECT_LT(x.final.fit.noise[0], 0.02);
+}
+
+/// What is left of such a spring swings from row to row, and its correlations sum up to no more than those of noise do.
+TEST(ExplainStates, TakesWhatSwingsFromRowToRowForNoNoise) {
+  const StatesExplanation x = Explained(OscillatorLog({525, 25, 3e5, 0, 1}, 1000, 7));
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
   EXPECT_LT(x.final.fit.noise[0], 0.02);
 }
 

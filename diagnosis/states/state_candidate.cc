@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/states/one_step.h"
+
 namespace hydroscope {
 namespace {
 
@@ -57,7 +59,8 @@ double EvidenceOf(const StateCandidate& candidate) {
 }
 
 bool LeavesColoured(const StateCandidate& candidate, double white_readings) {
-  return CorrelatedReadings(candidate.fit) > white_readings;
+  return CorrelatedReadings(candidate.fit) > white_readings ||
+         white_readings * OneStepShare(candidate.fit) < 1;
 }
 
 }  // namespace hydroscope

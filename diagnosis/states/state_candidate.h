@@ -30,8 +30,8 @@ std::pair<double, double> PairedGain(const std::vector<double>& before, const st
 /// Energy that counts as one piece of evidence: that of a reading, times the readings over which errors are correlated.
 double EvidenceOf(const StateCandidate& candidate);
 
-/// Whether a candidate leaves errors that hang together over more than so many readings, which no white noise does and every wrong
-/// minimum.
+/// Whether a candidate leaves errors that hang together over more than so many readings, or that past ones foresee to so large a
+/// part: no white noise does, and every wrong minimum.
 bool LeavesColoured(const StateCandidate& candidate, double white_readings);
 
 }  // namespace hydroscope

@@ -136,7 +136,9 @@ std::vector<double> BeginningOf(const Task& of_all, const Episode& episode, cons
       Segment begin = whole;
       begin.last = std::min(whole.last, rows - 1);
       Point from = point;
-      if (Minimise(task, {begin}, options.start_iterations, options.start_tolerance, true, from))
+      if (Minimise(task, {begin},
+                   {.iterations = options.start_iterations, .tolerance = options.start_tolerance}, true,
+                   from))
         point = std::move(from);
     }
     return point;

@@ -9,7 +9,6 @@
 #include "estimation/states/explicit_method.h"
 #include "estimation/states/simulation.h"
 #include "estimation/states/step_tangent.h"
-#include "estimation/states/steps.h"
 
 namespace hydroscope {
 namespace {
@@ -117,36 +116,43 @@ double StateSimulator::Fastest() {
   return fastest;
 }
 
-/// The equations' slopes and the added terms at the stages of the step that ExplicitStep took.
-void StateSimulator::SlopesAtStages(double fraction, double share) {
-  constexpr int kPoints = ExpressionProgram::kPoints, kLast = kExplicitStages - 2;
-  static_assert(kLast < kPoints);
+/// The equations' slopes and the added terms at the stages of the step that was taken; `nodes`: theirs.
+void StateSimulator::SlopesAtStages(std::span<const double> nodes, double fraction, double share) {
+  constexpr int kPoints = ExpressionProgram::kPoints;
+  const int last = static_cast<int>(nodes.size()) - 1;
   const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
   for (int p = 0; p < kPoints; ++p) {
-    const auto stage = static_cast<std::size_t>(std::min(p, kLast)), at = static_cast<std::size_t>(p);
-    if (hold_ != InputHold::kZero || p == 0) InputAt(fraction + kExplicitNodes[stage] * share);
+    const auto stage = static_cast<std::size_t>(std::min(p, last)), at = static_cast<std::size_t>(p);
+    if (hold_ != InputHold::kZero || p == 0) InputAt(fraction + nodes[stage] * share);
     for (std::size_t i = 0; i < n; ++i) point_registers_[i * kPoints + at] = stage_x_[stage * n + i];
     for (std::size_t i = 0; i < m; ++i) point_registers_[(n + i) * kPoints + at] = u_[i];
-    if (added_ != nullptr && p <= kLast)
+    if (added_ != nullptr && p <= last)
       added_->evaluate(stage_x_.data() + stage * n, u_.data(),
                        stage_added_.data() + stage * static_cast<std::size_t>(added_->values));
   }
   model_->dynamics.slopes.RunPoints(point_registers_.data());
 }
 
+/// Where SlopesAtStages left the stages.
+std::array<TangentPoint, kStateStages> StateSimulator::StagePoints() const {
+  const auto n = static_cast<std::size_t>(states_),
+             values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
+  std::array<TangentPoint, kStateStages> points;
+  for (std::size_t s = 0; s < kStateStages; ++s)
+    points[s] = {point_registers_.data() + s, stage_held_.data() + s * n, stage_added_.data() + s * values};
+  return points;
+}
+
 /// The step that ExplicitStep took, differentiated. False if it is too long for the method to be stable: states at rest do
 /// not show it, their sensitivities would grow without bound.
 bool StateSimulator::ExplicitSlopes(double fraction, double share, double period) {
   const double step = share * period;
-  SlopesAtStages(fraction, share);
+  // The last stage is not differentiated: its rate is the next step's.
+  SlopesAtStages(std::span(kExplicitNodes).first<kExplicitStages - 1>(), fraction, share);
   fastest_ = Fastest();
   if (!(step * fastest_ <= kExplicitStable)) return false;
-  const auto n = static_cast<std::size_t>(states_),
-             values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
-  std::array<TangentPoint, kExplicitStages> stages;
-  for (std::size_t s = 0; s < kExplicitStages; ++s)
-    stages[s] = {point_registers_.data() + s, stage_held_.data() + s * n, stage_added_.data() + s * values};
-  DifferentiateStep({point_entries_, states_, columns_, added_, added_from_}, stages.data(), step, s_.data(),
+  const auto points = StagePoints();
+  DifferentiateStep({point_entries_, states_, columns_, added_, added_from_}, points.data(), step, s_.data(),
                     ks_.data(), stage_s_.data());
   s_.swap(stage_s_);
   return true;

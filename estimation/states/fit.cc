@@ -16,22 +16,29 @@
 namespace hydroscope {
 namespace {
 
+DescentOptions Roughly(const StateFitOptions& options) {
+  return {.iterations = options.start_iterations, .tolerance = options.start_tolerance};
+}
+DescentOptions ToTheEnd(const StateFitOptions& options) {
+  return {.iterations = options.iterations, .tolerance = options.tolerance};
+}
+
 /// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges; nothing
 /// where segments err far more than the best runs so far, of cost `least`: joints that give way lower what a minimum costs, so that
 /// the runs would end in a worse one.
 std::optional<shooting::Point> Shot(shooting::Task task, const Eigen::VectorXd& parameters, double least,
-                                    const StateFitOptions& options) {
+                                    const StateFitOptions& options, bool cautious = false) {
   constexpr double kSoft = 0.1, kStiff = 0.01;
   shooting::Point shot = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> segments =
       shooting::ShortSegments(task.episodes, options.segment_rows);
   shooting::GuessSegments(task, segments, shot);
   shooting::SeekBeginnings(task, segments, options.segment_rows, shot);
+  DescentOptions how{.iterations = options.start_iterations / 2, .tolerance = options.start_tolerance};
+  if (cautious) how.first_radius = options.cautious_radius;
   for (const double joint : {kSoft, kStiff}) {
     task.joint = joint;
-    if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
-                            shot))
-      return shooting::Point{};
+    if (!shooting::Minimise(task, segments, how, false, shot)) return shooting::Point{};
     if (options.until_agreed > 0 && (shot.converged || joint == kStiff) &&
         shot.cost > options.far_worse * least)
       return std::nullopt;
@@ -41,26 +48,36 @@ std::optional<shooting::Point> Shot(shooting::Task task, const Eigen::VectorXd& 
   shooting::GuessSegments(task, whole, point);
   for (std::size_t s = 0, e = 0; s < segments.size(); ++s)  // the episodes begin as their first segments do
     if (segments[s].first == 0) point.z[e++] = shot.z[s];
-  point.valid =
-      shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point);
+  point.valid = shooting::Minimise(task, whole, Roughly(options), false, point);
   return point;
 }
 
-/// A start fitted with short segments first; where that ends clearly above the `least` cost of those before, infinite for the
-/// first, as one run alone too: the better. Not valid where the model diverges or ends in a far worse minimum.
+/// A start fitted with short segments first, by bold steps; where that ends clearly above the `least` cost of those before, infinite
+/// for the first, by cautious ones and as one run alone too: the best. Not valid where the model diverges or ends in a far worse
+/// minimum.
 shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double least,
                           const StateFitOptions& options) {
-  std::optional<shooting::Point> shot = Shot(task, parameters, least, options);
-  if (!shot) return {};
-  shooting::Point best = std::move(*shot);
-  if (best.valid && std::isfinite(least) && best.cost <= (1 + options.same_minimum) * least) return best;
+  shooting::Point best;
+  const auto take = [&](shooting::Point point) {
+    if (point.valid && (!best.valid || point.cost < best.cost)) best = std::move(point);
+  };
+  const auto enough = [&] {
+    return best.valid && std::isfinite(least) && best.cost <= (1 + options.same_minimum) * least;
+  };
+  bool near = false;  // segments do not err far more than the best runs so far
+  for (const bool cautious : {false, true}) {
+    std::optional<shooting::Point> shot = Shot(task, parameters, least, options, cautious);
+    near = near || shot;
+    if (shot) take(std::move(*shot));
+    if (enough()) return best;
+  }
+  if (!near) return best;
   shooting::Point alone = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   shooting::GuessSegments(task, whole, alone);
   shooting::SeekBeginnings(task, whole, options.segment_rows, alone);
-  if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, alone) &&
-      (!best.valid || alone.cost < best.cost))
-    best = std::move(alone);
+  shooting::Minimise(task, whole, Roughly(options), false, alone);
+  take(std::move(alone));
   return best;
 }
 
@@ -138,9 +155,8 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   // Many readings: normal equations cost a fraction of a QR decomposition.
   const bool normal = SeesMuch(*task.model) && !fixed && !task.predicts;
   for (int round = 0; round < rounds; ++round) {
-    const bool fine =
-        normal ? PolishWhole(task, options, point)
-               : shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point);
+    const bool fine = normal ? PolishWhole(task, options, point)
+                             : shooting::Minimise(task, whole, ToTheEnd(options), fixed, point);
     if (!fine || !TakeRuns(task, point, fit)) {
       fit.failed = shooting::DivergedText(task, shooting::Unscaled(task, point.q));
       return fit;
@@ -223,9 +239,9 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
     const bool quiet = 2 * point.cost <= options.at_noise * readings;
     white = quiet && LeavesWhite(task, point);
     if (quiet && !white && !SeesMuch(*task.model))
-      white = shooting::Minimise(task, shooting::WholeEpisodes(task.episodes), options.iterations,
-                                 options.tolerance, false, point) &&
-              LeavesWhite(task, point);
+      white =
+          shooting::Minimise(task, shooting::WholeEpisodes(task.episodes), ToTheEnd(options), false, point) &&
+          LeavesWhite(task, point);
     least = std::min(least, point.cost);
     const auto same = std::ranges::find_if(reached, [&](const Reached& r) {
       return std::abs(r.minimum.cost - point.cost) <=
@@ -395,9 +411,7 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
     if (start.initial.empty()) shooting::SeekBeginnings(task, whole, options.segment_rows, point);
     for (std::size_t e = 0; e < start.initial.size(); ++e)
       point.z[e] = shooting::Scaled(start.initial[e], task.state_scale);
-    if (starts.size() > 1 &&
-        !shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point))
-      continue;
+    if (starts.size() > 1 && !shooting::Minimise(task, whole, Roughly(options), false, point)) continue;
     if (best.z.empty() || point.cost < best.cost) best = std::move(point);
   }
   if (best.z.empty()) {

@@ -6,7 +6,6 @@
 #include "core/limits.h"
 #include "estimation/states/row_course.h"
 #include "estimation/states/simulation.h"
-#include "estimation/states/steps.h"
 
 namespace hydroscope {
 namespace {

@@ -1,10 +1,8 @@
 #include "estimation/states/shooting.h"
 
-#include <ceres/ceres.h>
-#include <glog/logging.h>
-
 #include <algorithm>
-#include <optional>
+
+#include "estimation/column_products.h"
 
 namespace hydroscope::shooting {
 
@@ -17,131 +15,117 @@ std::vector<int> FreeStates(const StateModel& model, const Segment& segment) {
 
 namespace {
 
-/// Errors of one segment over the noise, and of its joint to the next one. Blocks: parameters, free initial states, states
+/// Errors of one segment over the noise, and of its joint to the next one. Unknowns: parameters, free initial states, states
 /// at the start of the next segment.
-class SegmentCost : public ceres::CostFunction {
+class SegmentErrors {
  public:
-  SegmentCost(const Task& task, const Segment& segment)
+  /// `own`, `next`: place of the segment's free initial states among all unknowns, and of the next segment's.
+  SegmentErrors(const Task& task, const Segment& segment, int own, int next)
       : task_(task), segment_(segment), free_(FreeStates(*task.model, segment)), simulator_(task.model) {
     rows_ = segment.last - segment.first + (segment.joined ? 0 : 1);
-    outputs_ = task.model->output.rows;
-    set_num_residuals(rows_ * outputs_ + (segment.joined ? task.model->states() : 0));
-    if (task.scale.size() > 0)
-      mutable_parameter_block_sizes()->push_back(static_cast<int>(task.scale.size()));
-    if (!free_.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(free_.size()));
-    if (segment.joined) mutable_parameter_block_sizes()->push_back(task.model->states());
+    for (int p = 0; p < parameters(); ++p) places_.push_back(p);
+    for (int k = 0; k < static_cast<int>(free_.size()); ++k) places_.push_back(own + k);
+    for (int i = 0; segment.joined && i < task.model->states(); ++i) places_.push_back(next + i);
   }
 
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const StateModel& model = *task_.model;
-    const int states = model.states(), parameters = static_cast<int>(task_.scale.size());
-    std::size_t block = 0;
-    Eigen::VectorXd theta(parameters);
-    const double* q = parameters > 0 ? blocks[block++] : nullptr;
-    for (int p = 0; p < parameters; ++p) theta[p] = task_.scale.FromScaled(static_cast<std::size_t>(p), q[p]);
-    task_.Set(theta, simulator_);
-    const double* z = free_.empty() ? nullptr : blocks[block++];
-    Eigen::VectorXd given = Eigen::VectorXd::Zero(states);
-    for (std::size_t k = 0; k < free_.size(); ++k) given[free_[k]] = z[k] * task_.state_scale[free_[k]];
-    const Episode& episode = task_.episodes[segment_.episode];
-    RowMatrix by_parameter = RowMatrix::Zero(states, model.parameter_count());
-    const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
-    const bool want = jacobians != nullptr;
-    if (task_.GivenUp()) return false;
-    // The line search looks at a step with slopes, then the fit without them, and with them again once it is taken.
-    const bool known = IsKnown(q, z);
-    if (want && !known) {
-      KnowFromNowOn(q, z);
-      SlopesAtStart(by_parameter);
-      task_.Run(episode, segment_, x0, &start_slopes_, simulator_, run_);
-    } else if (!known) {
-      task_.Run(episode, segment_, x0, nullptr, simulator_, plain_);
+  /// Half the sum of squares; infinite where the model diverges.
+  double Cost(const Eigen::VectorXd& at) {
+    return Run(at, false) ? 0.5 * Errors(at).squaredNorm() : kInfinity;
+  }
+
+  /// Adds what the segment says of the unknowns to `gradient`, and the products of its columns to `entries`.
+  double Add(const Eigen::VectorXd& at, Eigen::VectorXd& gradient,
+             std::vector<Eigen::Triplet<double>>& entries) {
+    if (!Run(at, true)) return kInfinity;
+    const Eigen::VectorXd errors = Errors(at);
+    const RowMatrix slopes = Slopes(at);
+    const Eigen::VectorXd own = slopes.transpose() * errors;
+    const Eigen::MatrixXd products = ColumnProducts(slopes);
+    for (Eigen::Index a = 0; a < own.size(); ++a) {
+      gradient[places_[static_cast<std::size_t>(a)]] += own[a];
+      for (Eigen::Index b = 0; b < own.size(); ++b)
+        entries.emplace_back(places_[static_cast<std::size_t>(a)], places_[static_cast<std::size_t>(b)],
+                             products(a, b));
     }
-    const StateRun& run = want || known ? run_ : plain_;
-    if (run.diverged) return false;
-    Fill(episode, run, residuals);
-    const double* next = segment_.joined ? blocks[block] : nullptr;
-    double* joint = residuals + rows_ * outputs_;
-    for (int i = 0; next != nullptr && i < states; ++i)
-      joint[i] = (next[i] - run.end[i] / task_.state_scale[i]) / task_.joint;
-    if (want) FillJacobians(episode, q, jacobians);
-    return true;
+    return 0.5 * errors.squaredNorm();
   }
 
  private:
-  /// Whether the last run with slopes was of this point.
-  bool IsKnown(const double* q, const double* z) const {
-    return known_ &&
-           std::equal(known_->begin(), known_->begin() + static_cast<std::ptrdiff_t>(task_.scale.size()),
-                      q) &&
-           (z == nullptr ||
-            std::equal(z, z + free_.size(), known_->end() - static_cast<std::ptrdiff_t>(free_.size())));
-  }
-  void KnowFromNowOn(const double* q, const double* z) const {
-    known_.emplace(q, q + task_.scale.size());
-    if (z != nullptr) known_->insert(known_->end(), z, z + free_.size());
-  }
-  void SlopesAtStart(const RowMatrix& by_parameter) const {
-    const auto parameters = static_cast<int>(task_.scale.size());
-    start_slopes_ = RowMatrix::Zero(task_.model->states(), parameters + static_cast<int>(free_.size()));
-    start_slopes_.leftCols(by_parameter.cols()) = by_parameter;
+  int parameters() const { return static_cast<int>(task_.scale.size()); }
+  int outputs() const { return task_.model->output.rows; }
+  int joints() const { return segment_.joined ? task_.model->states() : 0; }
+
+  bool Run(const Eigen::VectorXd& at, bool with_slopes) {
+    if (task_.GivenUp()) return false;
+    const int states = task_.model->states(), n = parameters();
+    Eigen::VectorXd theta(n), given = Eigen::VectorXd::Zero(states);
+    for (int p = 0; p < n; ++p) theta[p] = task_.scale.FromScaled(static_cast<std::size_t>(p), at[p]);
     for (std::size_t k = 0; k < free_.size(); ++k)
-      start_slopes_(free_[k], parameters + static_cast<int>(k)) = task_.state_scale[free_[k]];
+      given[free_[k]] = at[places_[static_cast<std::size_t>(n) + k]] * task_.state_scale[free_[k]];
+    task_.Set(theta, simulator_);
+    const Episode& episode = task_.episodes[segment_.episode];
+    RowMatrix by_parameter = RowMatrix::Zero(states, task_.model->parameter_count());
+    const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
+    RowMatrix start;
+    if (with_slopes) {
+      start = RowMatrix::Zero(states, n + static_cast<int>(free_.size()));
+      start.leftCols(by_parameter.cols()) = by_parameter;
+      for (std::size_t k = 0; k < free_.size(); ++k)
+        start(free_[k], n + static_cast<int>(k)) = task_.state_scale[free_[k]];
+    }
+    task_.Run(episode, segment_, x0, with_slopes ? &start : nullptr, simulator_, run_);
+    return !run_.diverged;
   }
-  void Fill(const Episode& episode, const StateRun& run, double* residuals) const {
+
+  bool IsMeasured(int row, int output) const {
+    const double measured =
+        task_.episodes[segment_.episode].signal(segment_.first + row, task_.model->outputs[output]);
+    return std::isfinite(run_.outputs(row, output) - measured);
+  }
+
+  Eigen::VectorXd Errors(const Eigen::VectorXd& at) const {
+    Eigen::VectorXd errors = Eigen::VectorXd::Zero(rows_ * outputs() + joints());
+    const Episode& episode = task_.episodes[segment_.episode];
     for (int row = 0; row < rows_; ++row)
-      for (int j = 0; j < outputs_; ++j) {
-        const double measured = episode.signal(segment_.first + row, task_.model->outputs[j]);
-        const double error = run.outputs(row, j) - measured;
-        residuals[row * outputs_ + j] = std::isfinite(error) ? error / task_.noise[j] : 0.0;
-      }
+      for (int j = 0; j < outputs(); ++j)
+        if (IsMeasured(row, j))
+          errors[row * outputs() + j] =
+              (run_.outputs(row, j) - episode.signal(segment_.first + row, task_.model->outputs[j])) /
+              task_.noise[j];
+    for (int i = 0; i < joints(); ++i)
+      errors[rows_ * outputs() + i] = (at[places_[places_.size() - static_cast<std::size_t>(joints() - i)]] -
+                                       run_.end[i] / task_.state_scale[i]) /
+                                      task_.joint;
+    return errors;
   }
-  void FillJacobians(const Episode& episode, const double* q, double** jacobians) const {
-    const StateModel& model = *task_.model;
-    const int states = model.states(), parameters = static_cast<int>(task_.scale.size()),
-              free = static_cast<int>(free_.size());
-    std::size_t block = 0;
-    const auto fill = [&](double* out, int from, int count, const auto& factor) {
-      Eigen::Map<RowMatrix> to(out, num_residuals(), count);
-      to.setZero();
-      for (int row = 0; row < rows_; ++row)
-        for (int j = 0; j < outputs_; ++j) {
-          const int r = row * outputs_ + j;
-          if (!std::isfinite(run_.outputs(row, j) - episode.signal(segment_.first + row, model.outputs[j])))
-            continue;
-          for (int c = 0; c < count; ++c) to(r, c) = run_.slopes(r, from + c) * factor(c) / task_.noise[j];
+
+  RowMatrix Slopes(const Eigen::VectorXd& at) const {
+    const int n = parameters(), moved = n + static_cast<int>(free_.size());
+    Eigen::VectorXd factor = Eigen::VectorXd::Ones(moved);
+    for (int p = 0; p < n; ++p) factor[p] = task_.scale.Slope(static_cast<std::size_t>(p), at[p]);
+    RowMatrix slopes = RowMatrix::Zero(rows_ * outputs() + joints(), moved + joints());
+    for (int row = 0; row < rows_; ++row)
+      for (int j = 0; j < outputs(); ++j)
+        if (IsMeasured(row, j)) {
+          const int r = row * outputs() + j;
+          slopes.row(r).head(moved) = run_.slopes.row(r).cwiseProduct(factor.transpose()) / task_.noise[j];
         }
-      if (!segment_.joined) return;
-      for (int i = 0; i < states; ++i)
-        for (int c = 0; c < count; ++c)
-          to(rows_ * outputs_ + i, c) =
-              -run_.end_slopes(i, from + c) * factor(c) / (task_.state_scale[i] * task_.joint);
-    };
-    if (parameters > 0) {
-      if (jacobians[block] != nullptr)
-        fill(jacobians[block], 0, parameters,
-             [&](int c) { return task_.scale.Slope(static_cast<std::size_t>(c), q[c]); });
-      ++block;
+    for (int i = 0; i < joints(); ++i) {
+      const int r = rows_ * outputs() + i;
+      slopes.row(r).head(moved) =
+          run_.end_slopes.row(i).cwiseProduct(factor.transpose()) / (-task_.state_scale[i] * task_.joint);
+      slopes(r, moved + i) = 1 / task_.joint;
     }
-    if (free > 0) {
-      if (jacobians[block] != nullptr) fill(jacobians[block], parameters, free, [](int) { return 1.0; });
-      ++block;
-    }
-    if (segment_.joined && jacobians[block] != nullptr) {
-      Eigen::Map<RowMatrix> to(jacobians[block], num_residuals(), states);
-      to.setZero();
-      for (int i = 0; i < states; ++i) to(rows_ * outputs_ + i, i) = 1 / task_.joint;
-    }
+    return slopes;
   }
 
   const Task& task_;
   Segment segment_;
   std::vector<int> free_;
-  int rows_ = 0, outputs_ = 0;
-  mutable StateSimulator simulator_;
-  mutable StateRun run_, plain_;  ///< with slopes, and without
-  mutable RowMatrix start_slopes_;
-  mutable std::optional<std::vector<double>> known_;  ///< parameters and free initial states of run_
+  std::vector<int> places_;  ///< of the columns of the slopes among all unknowns
+  int rows_ = 0;
+  StateSimulator simulator_;
+  StateRun run_;
 };
 
 /// What the machine file, the data and limits say of the states at a row; `run`: a run there, nullptr if it diverged.
@@ -226,69 +210,69 @@ void GuessSegments(const Task& task, const std::vector<Segment>& segments, Point
   }
 }
 
-bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterations, double tolerance,
-              bool fixed, Point& point) {
-  static const bool quiet [[maybe_unused]] = [] {
-    FLAGS_minloglevel = google::GLOG_FATAL;  // a step that diverges is no news: it is taken back
-    return true;
-  }();
-  ceres::Problem problem;
+bool Minimise(const Task& task, const std::vector<Segment>& segments, const DescentOptions& how, bool fixed,
+              Point& point) {
   const auto parameters = static_cast<int>(point.q.size());
-  std::vector<std::vector<double>> free(segments.size());
-  for (std::size_t s = 0; s < segments.size(); ++s)
-    for (const int i : FreeStates(*task.model, segments[s])) free[s].push_back(point.z[s][i]);
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    std::vector<double*> blocks;
-    if (parameters > 0) blocks.push_back(point.q.data());
-    if (!free[s].empty()) blocks.push_back(free[s].data());
-    if (segments[s].joined) blocks.push_back(free[s + 1].data());
-    if (blocks.empty()) {  // nothing is free: a run of a known model
-      point.valid = true;
-      return true;
-    }
-    problem.AddResidualBlock(new SegmentCost(task, segments[s]), nullptr, blocks);
+  const int states = task.model->states();
+  std::vector<int> begins;  // place of each segment's free initial states
+  int unknowns = parameters;
+  for (const Segment& segment : segments) {
+    begins.push_back(unknowns);
+    unknowns += static_cast<int>(FreeStates(*task.model, segment).size());
   }
-  if (parameters > 0) {
-    for (int p = 0; p < parameters; ++p) {
-      const auto at = static_cast<std::size_t>(p);
-      if (std::isfinite(task.scale.low(at)))
-        problem.SetParameterLowerBound(point.q.data(), p, task.scale.low(at));
-      if (std::isfinite(task.scale.high(at)))
-        problem.SetParameterUpperBound(point.q.data(), p, task.scale.high(at));
-    }
-    if (fixed) problem.SetParameterBlockConstant(point.q.data());
+  if (unknowns == 0) {  // nothing is free: a run of a known model
+    point.valid = true;
+    return true;
+  }
+  std::vector<SegmentErrors> errors;
+  for (std::size_t s = 0; s < segments.size(); ++s)
+    errors.emplace_back(task, segments[s], begins[s], segments[s].joined ? begins[s + 1] : 0);
+
+  BoundedSquares squares;
+  Eigen::VectorXd at(unknowns);
+  squares.low = Eigen::VectorXd::Constant(unknowns, -kInfinity);
+  squares.high = Eigen::VectorXd::Constant(unknowns, kInfinity);
+  for (int p = 0; p < parameters; ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    at[p] = point.q[i];
+    squares.low[p] = fixed ? at[p] : task.scale.low(i);
+    squares.high[p] = fixed ? at[p] : task.scale.high(i);
   }
   StateSimulator simulator(task.model);
   task.Set(Unscaled(task, point.q), simulator);
-  const int states = task.model->states();
   for (std::size_t s = 0; s < segments.size(); ++s) {
-    const std::vector<int> which = FreeStates(*task.model, segments[s]);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      const double low = simulator.limits()[which[k]] / task.state_scale[which[k]],
-                   high = simulator.limits()[states + which[k]] / task.state_scale[which[k]];
-      const auto index = static_cast<int>(k);
-      free[s][k] = std::clamp(free[s][k], low, std::max(low, high));
-      if (std::isfinite(low)) problem.SetParameterLowerBound(free[s].data(), index, low);
-      if (std::isfinite(high) && high > low) problem.SetParameterUpperBound(free[s].data(), index, high);
+    int place = begins[s];
+    for (const int i : FreeStates(*task.model, segments[s])) {
+      at[place] = point.z[s][static_cast<std::size_t>(i)];
+      squares.low[place] = simulator.limits()[i] / task.state_scale[i];
+      squares.high[place] =
+          std::max(squares.low[place], simulator.limits()[states + i] / task.state_scale[i]);
+      ++place;
     }
   }
-  ceres::Solver::Options options;
-  options.max_num_iterations = iterations;
-  options.linear_solver_type = segments.size() > 4 ? ceres::SPARSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  options.function_tolerance = tolerance;
-  options.parameter_tolerance = 1e-3 * tolerance;
-  options.num_threads = 1;
-  // Line searches stay cubic, though each trial then costs sensitivities: with quadratic ones `benchmark pump` ends in a wrong
-  // minimum of the outlet pressure.
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  point.valid = summary.termination_type != ceres::FAILURE;
-  point.converged = summary.termination_type == ceres::CONVERGENCE;
-  point.cost = summary.final_cost;
+  squares.cost = [&](const Eigen::VectorXd& here) {
+    double cost = 0;
+    for (SegmentErrors& segment : errors)
+      if (std::isfinite(cost)) cost += segment.Cost(here);
+    return cost;
+  };
+  std::vector<Eigen::Triplet<double>> entries;
+  squares.sum = [&](const Eigen::VectorXd& here) {
+    SquaresSum sum{0, Eigen::VectorXd::Zero(unknowns), {unknowns, unknowns}};
+    entries.clear();
+    for (SegmentErrors& segment : errors) sum.cost += segment.Add(here, sum.gradient, entries);
+    sum.products.setFromTriplets(entries.begin(), entries.end());
+    return sum;
+  };
+  const Descent descent = hydroscope::Minimise(squares, how, at);
+  point.valid = descent.begun && !task.GivenUp();
+  point.converged = descent.converged;
+  point.cost = descent.cost;
+  for (int p = 0; p < parameters; ++p) point.q[static_cast<std::size_t>(p)] = at[p];
   for (std::size_t s = 0; s < segments.size(); ++s) {
-    const std::vector<int> which = FreeStates(*task.model, segments[s]);
-    for (std::size_t k = 0; k < which.size(); ++k) point.z[s][which[k]] = free[s][k];
+    int place = begins[s];
+    for (const int i : FreeStates(*task.model, segments[s]))
+      point.z[s][static_cast<std::size_t>(i)] = at[place++];
   }
   return point.valid;
 }

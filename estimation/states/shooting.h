@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/constants.h"
+#include "estimation/states/bounded_squares.h"
 #include "estimation/states/simulation.h"
 
 /// Fitting a model with states by the squares of its errors over segments of episodes, whose initial states are free and which
@@ -122,8 +123,8 @@ void Trial(const Task& task, const Eigen::VectorXd& theta, const Episode& episod
 /// Initial states of all segments from a trial run, the data and the limits.
 void GuessSegments(const Task& task, const std::vector<Segment>& segments, Point& point);
 
-/// Minimises from `point`, in place, by Ceres; `fixed`: over the initial states alone. False: the model diverges there.
-bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterations, double tolerance,
-              bool fixed, Point& point);
+/// Minimises from `point`, in place; `fixed`: over the initial states alone. False: the model diverges there.
+bool Minimise(const Task& task, const std::vector<Segment>& segments, const DescentOptions& how, bool fixed,
+              Point& point);
 
 }  // namespace hydroscope::shooting

@@ -10,7 +10,7 @@
 namespace hydroscope {
 namespace {
 
-/// What is looked at with slopes twice, by a line search and once its step is taken, is run with them once.
+/// A step is tried without slopes, and run with them once it is taken.
 TEST(Shooting, AnIterationCostsOneRunWithSlopesAndOneWithout) {
   const auto machine = ParseMachine(R"toml([signals]
 u = { column = "u", unit = "rad/s2" }
@@ -40,7 +40,8 @@ w = { start = 2.45, min = 2, max = 3, unit = "rad/s" }
     task.effort = std::make_shared<shooting::Effort>();
     shooting::Point point = shooting::PointAt(task, Eigen::VectorXd::Constant(1, 2.45));
     shooting::GuessSegments(task, whole, point);
-    EXPECT_TRUE(shooting::Minimise(task, whole, iterations, 1e-12, false, point));
+    EXPECT_TRUE(
+        shooting::Minimise(task, whole, {.iterations = iterations, .tolerance = 1e-12}, false, point));
     return static_cast<double>(task.effort->spent);
   };
   constexpr double kWithout = 0.25, kALittle = 0.1;  // of a run with slopes; steps differ by the point

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/states/steps.h"
 
 namespace hydroscope {
 namespace {
@@ -49,6 +48,9 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
   stage_held_.assign(n * kStateStages, 0);
   stage_x_.assign(n * kStateStages, 0.0);
   jacobian_.assign(n * n, 0.0);
+  stage_factor_.assign(n * n, 0.0);
+  stage_pivots_.assign(n, 0);
+  stage_factor_held_.assign(n, 0);
 }
 
 void StateSimulator::KnowParameters() {
@@ -207,7 +209,7 @@ bool StateSimulator::Interval(double period) {
       if (next_share_ < 1e-9) return false;
       continue;
     }
-    if (with_slopes_ && stiff_) s_.swap(stage_s_);
+    if (with_slopes_ && stiff_) ImplicitSlopes(done, share, period);
     if (with_slopes_ && !stiff_ && !ExplicitSlopes(done, share, period)) {
       if (!std::isfinite(fastest_)) return false;
       next_share_ = kStableAgain / (fastest_ * period);

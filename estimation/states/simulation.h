@@ -2,14 +2,17 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "estimation/episode.h"
 #include "estimation/states/row_course.h"
+#include "estimation/states/steps.h"
 #include "models/state_model.h"
 
 namespace hydroscope {
@@ -56,6 +59,13 @@ struct TangentEntries {
     std::size_t place = 0;
   };
   std::vector<Entry> by_states, by_parameters;
+};
+
+/// The equations at a point, as their tangent needs them.
+struct TangentPoint {
+  const double* registers;    ///< that hold the values of the entries
+  const unsigned char* held;  ///< per state
+  const double* added;        ///< values of the added terms
 };
 
 /// Runs a model with states over rows: between two rows by Dormand and Prince's method of order 5(4) (1980) with steps
@@ -113,14 +123,15 @@ class StateSimulator {
   template <int kStates>
   bool ExplicitStepOf(double fraction, double share, double period, double& error);
   bool ExplicitSlopes(double fraction, double share, double period);
-  void SlopesAtStages(double fraction, double share);
+  void SlopesAtStages(std::span<const double> nodes, double fraction, double share);
+  std::array<TangentPoint, kStateStages> StagePoints() const;
   void KeepLastStage();
   bool BeginsAsItEnded();
   double Fastest();
   bool ImplicitStep(double fraction, double share, double period, double& error);
   bool SolveStage(double fraction, double step, const double* base, double* k);
-  void SlopesOfRate(const double* state_slopes, double* out);
-  void StageMatrix(double step, double* matrix) const;
+  bool FactorStage(double step);
+  void ImplicitSlopes(double fraction, double share, double period);
   bool Clamp();
   void Correct(const Episode& episode, int row, const StateRun& run);
   void Output(int row, StateRun& run);
@@ -154,6 +165,10 @@ class StateSimulator {
   std::vector<double> breaks_;  ///< parts of a row at whose ends a delayed input may jump or bend
   /// The first stage of the step to come is known: it was rejected, or the last stage of the one before.
   bool begun_ = false;
+  std::vector<double> stage_factor_;  ///< of an implicit stage's matrix
+  std::vector<std::size_t> stage_pivots_;
+  std::vector<unsigned char> stage_factor_held_;  ///< states held there
+  bool factored_ = false;                         ///< ... and it serves the next iteration
   bool stiff_ = false, with_slopes_ = false;
   bool limited_ = true;  ///< some state has a limit
   double next_share_ = 1, fastest_ = 0;

@@ -4,9 +4,10 @@
 #include <array>
 #include <cstring>
 
+#include "core/limits.h"
 #include "core/wide.h"
 #include "estimation/states/explicit_method.h"
-#include "estimation/states/steps.h"
+#include "estimation/states/implicit_method.h"
 
 namespace hydroscope {
 namespace {
@@ -81,21 +82,16 @@ template <int kCount>
 
 }  // namespace
 
-void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, const double* s, double* out) {
-  PutOwnSlopes(shape, point, out);
-  AddMovedSlopes(shape, point, s, out);
-}
-
 /// As BeginOfStage, in lanes: what is written in them is read in them.
-template <int kStage>
-[[gnu::always_inline]] inline void SlopesAtStage(const double* s, const double* k, double step,
-                                                 std::size_t size, double* out) {
-  std::array<double, static_cast<std::size_t>(kStage)> w;
-  for (std::size_t j = 0; j < kStage; ++j) w[j] = step * kExplicitA[kStage][j];
+template <int kCount>
+[[gnu::always_inline]] inline void SlopesFrom(const double* s, const double* k, const double* weights,
+                                              double step, std::size_t size, double* out) {
+  std::array<double, static_cast<std::size_t>(kCount)> w;
+  for (std::size_t j = 0; j < kCount; ++j) w[j] = step * weights[j];
   for (std::size_t i = 0; i < size; i += kSensitivityPadding) {
     Lanes sum, rate;
     TakeLanes(s + i, sum);
-    for (std::size_t j = 0; j < kStage; ++j) {
+    for (std::size_t j = 0; j < kCount; ++j) {
       TakeLanes(k + j * size + i, rate);
       sum += w[j] * rate;
     }
@@ -110,7 +106,7 @@ HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentP
     PutOwnSlopes(shape, stages[stage], k + stage * size);
   AddMovedSlopes(shape, stages[0], s, k);
   const auto take = [&]<int kStage>(std::integral_constant<int, kStage>) __attribute__((always_inline)) {
-    SlopesAtStage<kStage>(s, k, step, size, end);
+    SlopesFrom<kStage>(s, k, kExplicitA[kStage], step, size, end);
     AddMovedSlopes(shape, stages[kStage], end, k + kStage * size);
   };
   take(std::integral_constant<int, 1>());
@@ -118,7 +114,52 @@ HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentP
   take(std::integral_constant<int, 3>());
   take(std::integral_constant<int, 4>());
   take(std::integral_constant<int, 5>());
-  SlopesAtStage<kExplicitStages - 1>(s, k, step, size, end);
+  SlopesFrom<kExplicitStages - 1>(s, k, kExplicitA[kExplicitStages - 1], step, size, end);
+}
+
+/// ks = matrix^-1 ks, kSensitivityPadding columns at a time.
+[[gnu::always_inline]] inline void SolveColumns(std::size_t n, std::size_t columns, const double* factor,
+                                                const std::size_t* pivots, double* ks) {
+  std::array<Lanes, kMaxStates> b;
+  for (std::size_t c = 0; c < columns; c += kSensitivityPadding) {
+    for (std::size_t r = 0; r < n; ++r) TakeLanes(ks + r * columns + c, b[r]);
+    SolveFactored(n, factor, pivots, b.data());
+    for (std::size_t r = 0; r < n; ++r) PutLanes(b[r], ks + r * columns + c);
+  }
+}
+
+HYDROSCOPE_WIDE void DifferentiateImplicitStep(const TangentShape& shape, const TangentPoint* stages,
+                                               double step, const double* s, double* k, double* end) {
+  const auto n = static_cast<std::size_t>(shape.states), columns = static_cast<std::size_t>(shape.columns),
+             size = n * columns;
+  std::array<double, kMaxStates * kMaxStates> matrix;
+  std::array<std::size_t, kMaxStates> pivots;
+  const auto take = [&]<int kStage>(std::integral_constant<int, kStage>) __attribute__((always_inline)) {
+    const TangentPoint& point = stages[kStage];
+    double* own = k + kStage * size;
+    SlopesFrom<kStage>(s, k, kImplicitA[kStage], step, size, end);
+    PutOwnSlopes(shape, point, own);
+    AddMovedSlopes(shape, point, end, own);
+    PutStageMatrix(shape.entries.by_states, point.registers, point.held, step, n, matrix.data());
+    FactorFew(n, matrix.data(), pivots.data());
+    SolveColumns(n, columns, matrix.data(), pivots.data(), own);
+  };
+  take(std::integral_constant<int, 0>());
+  take(std::integral_constant<int, 1>());
+  take(std::integral_constant<int, 2>());
+  take(std::integral_constant<int, 3>());
+  take(std::integral_constant<int, 4>());
+  SlopesFrom<kImplicitStages>(s, k, kImplicitA[kImplicitStages - 1], step, size, end);
+}
+
+void PutStageMatrix(const std::vector<Entry>& by_states, const double* registers, const unsigned char* held,
+                    double step, std::size_t n, double* matrix) {
+  std::fill_n(matrix, n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] = 1;
+  for (const auto& [row, column, place] : by_states)
+    if (held[row] == 0)
+      matrix[static_cast<std::size_t>(row) * n + static_cast<std::size_t>(column)] -=
+          kImplicitOwn * step * registers[place];
 }
 
 }  // namespace hydroscope

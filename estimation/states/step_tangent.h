@@ -15,18 +15,16 @@ struct TangentShape {
   int terms_from;           ///< column
 };
 
-/// The equations at a point, as their tangent needs them.
-struct TangentPoint {
-  const double* registers;    ///< that hold the values of the entries
-  const unsigned char* held;  ///< per state
-  const double* added;        ///< values of the added terms
-};
-
-/// out = J s + df/dp + what added terms give.
-void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, const double* s, double* out);
+/// matrix = 1 - own weight of an implicit stage * step * df/dx, n x n, row by row; states that are held do not move.
+void PutStageMatrix(const std::vector<TangentEntries::Entry>& by_states, const double* registers,
+                    const unsigned char* held, double step, std::size_t n, double* matrix);
 
 /// An explicit step differentiated: from s to `end`, by way of the rates k of each stage. `stages`: all but the last.
 void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step, const double* s,
                        double* k, double* end);
+
+/// An implicit step differentiated, as DifferentiateStep.
+void DifferentiateImplicitStep(const TangentShape& shape, const TangentPoint* stages, double step,
+                               const double* s, double* k, double* end);
 
 }  // namespace hydroscope
