@@ -1,11 +1,16 @@
 #!/usr/bin/env bash
 # Builds with AddressSanitizer and UBSan what reads, computes, diagnoses and stores, below the rooms of the program, and runs
-# its tests but for the longest. scripts/sanitize.sh all: everything; threads: what has threads, with ThreadSanitizer.
+# its tests but for the longest. scripts/sanitize.sh all: everything; half: one half of these folders, the other after the next
+# commit; threads: what has threads, with ThreadSanitizer.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 export LSAN_OPTIONS=suppressions=$PWD/scripts/lsan_suppressions.txt:print_suppressions=0
 folders=(diagnosis estimation acquisition alarms models simulator storage replay dds machines core)  # the longest first
+if [[ ${1:-} == half ]]; then
+  halves=("diagnosis acquisition dds" "estimation models alarms simulator storage replay machines core")
+  read -ra folders <<<"${halves[$(git rev-list --count HEAD) % 2]}"
+fi
 if [[ ${1:-} == all ]]; then
   scripts/build.sh sanitize
   exec ctest --preset sanitize --parallel 2
