@@ -88,7 +88,7 @@ shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
   shooting::Point point = few;
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(all.episodes);
   shooting::GuessSegments(all, whole, point);
-  shooting::SeekBeginnings(all, whole, options.segment_rows, point);
+  if (few.z.size() < whole.size()) shooting::SeekBeginnings(all, whole, options.segment_rows, point);
   std::ranges::copy(few.z, point.z.begin());
   const bool longer =
       std::ranges::any_of(all.episodes, [&](const Episode& e) { return e.rows() > options.start_rows; });

@@ -43,6 +43,13 @@ class GrowingFit {
         free_(shooting::FreeStates(*task.model, {0, 0, 0, false})),
         point_(near) {}
 
+  /// Whether runs over all rows err hardly more, by the reading, than over the first `rows`.
+  bool StaysOnItsWay(int rows) {
+    constexpr double kOnItsWay = 2;
+    const Eigen::VectorXd cost = Foreseen(Longest());
+    return cost[cost.size() - 1] * rows <= kOnItsWay * cost[rows - 1] * static_cast<double>(cost.size());
+  }
+
   bool Polish(shooting::Point& point) {
     point_.valid = Minimise(Longest(), options_.iterations, options_.tolerance);
     point = point_;
@@ -296,7 +303,8 @@ shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& st
 
 shooting::Point GrowFrom(const shooting::Task& task, const shooting::Point& few, int rows,
                          const StateFitOptions& options) {
-  return GrowingFit(task, few, options).Run(rows);
+  GrowingFit fit(task, few, options);
+  return fit.StaysOnItsWay(rows) ? few : fit.Run(rows);
 }
 
 bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point) {

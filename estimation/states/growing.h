@@ -23,7 +23,8 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
 shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
                            const StateFitOptions& options);
 
-/// The same from a point that was fitted to the first `rows` rows of each episode.
+/// The same from a point that was fitted to the first `rows` rows of each episode; the point itself where runs from it err hardly
+/// more over all rows.
 shooting::Point GrowFrom(const shooting::Task& task, const shooting::Point& few, int rows,
                          const StateFitOptions& options);
 
