@@ -105,11 +105,12 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
         "die Prüfung ohne Log sagt, dass {} da ist, was in diesem Modell fehlt: die gefundene Größe kann es enthalten",
         known);
   }
-  if (!at_floor || found.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
+  const bool more = found.remainder > options_.doubt_remainder + options_.doubt_share * gain;
+  if ((!at_floor || more) && !found.remainder_law.empty()) {
     return Tell("it leaves something that another law would explain ({})",
                 "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", found.remainder_law);
   }
-  if (found.final.excess_ratio > options_.doubt_excess) {
+  if (!at_floor || found.final.excess_ratio > options_.doubt_excess) {
     return Tell("it leaves {:.0f} % more energy than sensor noise",
                 "es bleiben {:.0f} % mehr Energie als das Sensorrauschen", 100 * found.final.excess_ratio);
   }

@@ -219,6 +219,8 @@ struct Explanation {
   Told doubt;
   /// Signals that are not measured, without which a cause much like one of `set` could not be tried.
   std::vector<std::string> unmeasured;
+  /// Causes much like one of `set` that could not be tried: they may be it as well.
+  std::vector<std::string> untried;
   /// Error energy per equation, integrated output unit squared, that ExplainOptions::trifle comes to.
   double trifle = 0;
   Told no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do

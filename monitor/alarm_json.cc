@@ -23,6 +23,8 @@ nlohmann::json AlarmJson(const std::string& machine, const AlarmState& a) {
           {"unit", a.unit},
           {"text", a.text},
           {"cause", CauseText(a.cause)},
+          {"cause_kind", CauseKindName(a.cause.kind)},
+          {"cause_effects", a.cause.effects},
           {"raised_stroke", a.raised_stroke},
           {"raised_wall_s", a.raised_wall},
           {"first_stroke", a.first_stroke},

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "models/machine_kind.h"
+#include "monitor/alarm_json.h"
 #include "monitor/finding_explanation.h"
 
 namespace hydroscope {
@@ -55,6 +57,21 @@ TEST(AlarmWords, WhatToDoIsAboutTheCauseThatWasFound) {
   EXPECT_EQ(WordsOf(finding).action.german, "Die Gasfüllung prüfen.");
   EXPECT_EQ(WordsOf(finding).finding.english, "Gas-charged volume");
   EXPECT_THAT(AlarmTextOf(finding), testing::EndsWith("Cause: accumulator. Check the gas charge."));
+}
+
+TEST(AlarmWords, ACauseThatIsNotProvenIsToldAsSuchInEveryFeed) {
+  drift::DriftFinding finding = SofterOil();
+  finding.compared.cause = {CauseKind::kNotProven, {"pressure_offset", "tank_pressure"}};
+  EXPECT_THAT(AlarmTextOf(finding),
+              testing::HasSubstr("Cause: not proven; nearest: pressure_offset, tank_pressure. Bleed"));
+  EXPECT_EQ(CauseTold(finding.compared.cause).german,
+            "nicht bewiesen; am nächsten kommt: pressure_offset, tank_pressure");
+  AlarmState alarm;
+  alarm.cause = finding.compared.cause;
+  const nlohmann::json json = AlarmJson("press", alarm);
+  EXPECT_EQ(json.at("cause"), "not proven; nearest: pressure_offset, tank_pressure");
+  EXPECT_EQ(json.at("cause_kind"), "not_proven");
+  EXPECT_EQ(json.at("cause_effects").size(), 2u);
 }
 
 TEST(AlarmWords, PercentHaveAsManyDecimalsAsTheirIntervalAsksFor) {
@@ -138,6 +155,24 @@ TEST(AlarmWords, AHeadingThatTheComparisonDoesNotCarrySaysWhatItSees) {
   EXPECT_TRUE(TitleBeside(finding, Verdict::kAdequate, {}, {"V0", "K"}).empty());
   EXPECT_TRUE(TitleBeside(finding, Verdict::kAdequate, {}, {}).empty()) << "it tells of a small change alone";
   EXPECT_TRUE(TitleBeside(finding, Verdict::kAmbiguous, {"entrained_air", "accumulator"}, {}).empty());
+  EXPECT_EQ(TitleBeside(finding, Verdict::kNamed, {"pressure_offset", "tank_pressure"}, {}).english,
+            "Change that other effects would explain; first taken for: Oil column softer");
+  EXPECT_TRUE(TitleBeside(finding, Verdict::kNamed, {"pressure_offset"}, {"K"}).empty()) << "it was measured";
+}
+
+/// The tests begin anew at stroke 490, where the first is named: what is left of the same change is dated from there.
+TEST(EndOfHealthy, WhatIsFoundBesideAFindingIsComparedWithTheStrokesBeforeThat) {
+  drift::DriftFinding first = SofterOil(), second = SofterOil();
+  first.since = {.last_before = 480, .low = 480, .high = 480};
+  first.found = 484;
+  second.since = {.last_before = 490, .low = 490, .high = 490};
+  EXPECT_EQ(EndOfHealthy(first, {first, second}), 481);
+  EXPECT_EQ(EndOfHealthy(second, {first, second}), 481) << "not 491: strokes of the change are not healthy";
+  second.since = {.last_before = 700, .low = 695, .high = 702};
+  EXPECT_EQ(EndOfHealthy(second, {first, second}), 696) << "another change";
+  first.state = drift::FindingState::kGone;
+  second.since.low = 490;
+  EXPECT_EQ(EndOfHealthy(second, {first, second}), 491);
 }
 
 TEST(AlarmWords, ChangesOfAParameterWhoseZeroIsOneOfManyAreToldInItsUnit) {

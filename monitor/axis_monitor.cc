@@ -363,8 +363,9 @@ Status AxisMonitor::ExplainFindings(double wall) {
   for (const drift::DriftFinding& finding : findings) {
     if (!ExplanationIsDue(finding)) continue;
     const std::int64_t changed = FirstChanged(finding);
-    const drift::FindingExplanation explanation = ExplainFinding(
-        database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
+    const drift::FindingExplanation explanation =
+        ExplainFinding(database_, path_, machine_.name, machine_id_, finding,
+                       monitor_->reference().first_sequence(), EndOfHealthy(finding, findings), next_);
     TRY(Change(wall, [&](AxisContent& axis) {
       monitor_->TakeExplanation(finding.number, explanation, next_ - changed);
       AlarmEvent event;

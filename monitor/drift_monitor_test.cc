@@ -125,6 +125,20 @@ TEST_F(DriftMonitorTest, BesideAChangeThatTheModelDoesNotDescribeNothingIsSure) 
   for (const DriftFinding& finding : restored->findings()) EXPECT_FALSE(finding.described());
 }
 
+TEST_F(DriftMonitorTest, BesideAChangeThatAnotherEffectMayExplainNothingIsSure) {
+  for (int k = 0; k < 60; ++k) Add({{"y_0", 0.02}});
+  const DriftFinding* shift = Found("null_shift");
+  ASSERT_NE(shift, nullptr);
+  monitor_->TakeExplanation(
+      shift->number,
+      {.text = Told("nearest: pressure_offset"), .cause = {CauseKind::kNotProven, {"pressure_offset"}}}, 24);
+  EXPECT_EQ(NameText(*shift).english, "Null of the valve has shifted") << "what was measured stays its name";
+  for (int k = 0; k < 100; ++k) Add({{"y_0", 0.02}, {"internal_leakage", 5e-12}});
+  const DriftFinding* leak = Found("internal_leakage");
+  ASSERT_NE(leak, nullptr);
+  EXPECT_FALSE(leak->described());
+}
+
 TEST_F(DriftMonitorTest, ALeakageCannotBecomeLessThanNone) {
   Drift("internal_leakage", -kSlope, 6500);
   for (const SlowDrift& drift : monitor_->SlowDrifts()) EXPECT_NE(drift.quantity, "internal_leakage");

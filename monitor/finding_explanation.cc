@@ -8,6 +8,7 @@
 #include "core/contains.h"
 #include "core/interval_text.h"
 #include "core/unit_told.h"
+#include "diagnosis/drift/drift_thresholds.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
@@ -51,6 +52,12 @@ Told ErrorText(const ChangeResult& result) {
               after.final.rms_holdout * unit.factor, UnitTold(unit.name));
 }
 
+/// Why what the comparison names or leaves to choose from is not proven; "" if it is, or if it names nothing.
+Told NotProven(const Explanation& x) {
+  if (x.set.empty() || (!x.partial && x.doubt.empty())) return {};
+  return x.doubt.empty() ? Tell("more than noise is left", "es bleibt mehr als Rauschen") : x.doubt;
+}
+
 Told MovedTold(const std::vector<Told>& moved) {
   return Tell("moved: {}", "bewegt haben sich: {}", Joined(moved));
 }
@@ -90,6 +97,8 @@ Told Sentence(const ChangeResult& result, const drift::DriftFinding& finding) {
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
   const Told also = moved.empty() ? Told{} : Tell("; {}", "; {}", MovedTold(moved));
+  const Told why = NotProven(result.after.explanation);
+  const Told doubt = why.empty() ? Told{} : Tell("; not proven: {}", "; nicht bewiesen: {}", why);
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
       return moved.empty()
@@ -99,14 +108,20 @@ Told Sentence(const ChangeResult& result, const drift::DriftFinding& finding) {
                  : Tell("no effect of the library appeared{}", "kein Effekt der Bibliothek ist aufgetreten{}",
                         also);
     case Verdict::kNamed:
-      return Tell("{}{}{}", "{}{}{}",
+      return Tell("{}{}{}{}", "{}{}{}{}",
                   appeared.empty() ? Tell("nothing new appeared", "nichts Neues ist aufgetreten")
-                                   : Tell("appeared: {}", "aufgetreten: {}", Joined(appeared)),
-                  also, ErrorText(result));
-    case Verdict::kAmbiguous:
-      return Tell("one of these appeared and the strokes cannot tell which: {}{}{}",
-                  "eines von diesen ist aufgetreten, und die Hübe sagen nicht welches: {}{}{}",
-                  fmt::format("{}", fmt::join(result.after.explanation.set, ", ")), also, ErrorText(result));
+                  : why.empty()    ? Tell("appeared: {}", "aufgetreten: {}", Joined(appeared))
+                                   : Tell("nearest: {}", "am nächsten kommt: {}", Joined(appeared)),
+                  also, ErrorText(result), doubt);
+    case Verdict::kAmbiguous: {
+      const std::string set = fmt::format("{}", fmt::join(result.after.explanation.set, ", "));
+      return Tell("{}{}{}{}", "{}{}{}{}",
+                  why.empty()
+                      ? Tell("one of these appeared and the strokes cannot tell which: {}",
+                             "eines von diesen ist aufgetreten, und die Hübe sagen nicht welches: {}", set)
+                      : Tell("nearest: {}", "am nächsten kommen: {}", set),
+                  also, ErrorText(result), doubt);
+    }
     case Verdict::kUnknown:
       return Tell("the model errs more than before and no effect of the library explains it{}",
                   "das Modell irrt mehr als zuvor, und kein Effekt der Bibliothek erklärt es{}", also);
@@ -122,30 +137,37 @@ std::vector<std::string> ChangedEffects(const ChangeResult& result) {
   return changed;
 }
 
-/// A parameter that moved is what was measured, not why: only effects are causes.
+/// A parameter that moved is what was measured, not why: only effects are causes. One whose size moved while `explain` says
+/// that nothing appeared, as the model had erred before already, is proven no more than one that is in doubt.
 AlarmCause CauseOf(const ChangeResult& result) {
-  switch (result.after.explanation.verdict) {
-    case Verdict::kNamed: {
-      std::vector<std::string> effects = result.appeared;
-      if (effects.empty()) effects = ChangedEffects(result);
-      if (!effects.empty()) return {CauseKind::kNamed, std::move(effects)};
+  const Explanation& after = result.after.explanation;
+  AlarmCause cause;
+  switch (after.verdict) {
+    case Verdict::kNamed:
+      cause = {CauseKind::kNamed, result.appeared.empty() ? ChangedEffects(result) : result.appeared};
       break;
-    }
     case Verdict::kAmbiguous:
-      return {CauseKind::kSeveral, result.after.explanation.set};
+      cause = {CauseKind::kSeveral, after.set};
+      break;
     case Verdict::kAdequate:
-      if (auto effects = ChangedEffects(result); !effects.empty())
-        return {CauseKind::kNamed, std::move(effects)};
+      cause = {CauseKind::kNotProven, ChangedEffects(result)};
       break;
     case Verdict::kUnknown:
       break;
   }
-  return {CauseKind::kNotKnown, {}};
+  if (cause.effects.empty()) return {CauseKind::kNotKnown, {}};
+  if (!NotProven(after).empty()) {
+    cause.kind = CauseKind::kNotProven;
+    for (const std::string& id : after.untried)
+      if (!Contains(cause.effects, id)) cause.effects.push_back(id);
+  }
+  return cause;
 }
 
-/// The effect that appeared, where it is one that the finding's own rule is not about; nullptr if there is none.
+/// The effect that is proven to have appeared, where it is one that the finding's own rule is not about; nullptr if there is none.
 const Effect* OtherCause(const ChangeResult& result, const drift::DriftFinding& finding) {
-  if (result.after.explanation.verdict != Verdict::kNamed || result.appeared.size() != 1 ||
+  const Explanation& after = result.after.explanation;
+  if (after.verdict != Verdict::kNamed || !NotProven(after).empty() || result.appeared.size() != 1 ||
       result.appeared.front() == finding.rule)
     return nullptr;
   return result.after.FindEffect(result.appeared.front());
@@ -164,7 +186,10 @@ OtherWords WordsBeside(const ChangeResult& result, const drift::DriftFinding& fi
   for (const auto* values : {&result.parameters, &result.effects})
     for (const ValueChange& v : *values)
       if (v.significant) moved.push_back(v.name);
-  Told title = TitleBeside(finding, result.after.explanation.verdict, result.after.explanation.set, moved);
+  const AlarmCause cause = CauseOf(result);
+  const Verdict verdict = result.after.explanation.verdict;
+  if (verdict == Verdict::kNamed && cause.kind != CauseKind::kNotProven) return {};
+  Told title = TitleBeside(finding, verdict, cause.effects, moved);
   if (title.empty()) return {};
   return {std::move(title), Tell("See `hydroscope explain` of the strokes since the change.",
                                  "`hydroscope explain` der Hübe seit der Änderung ansehen.")};
@@ -180,6 +205,9 @@ Told TitleBeside(const drift::DriftFinding& finding, Verdict verdict, const std:
   if (verdict == Verdict::kAmbiguous && !Contains(set, finding.rule))
     return Tell("Change that several effects would explain; first taken for: {}",
                 "Änderung, die mehrere Effekte erklären würden; zuerst gehalten für: {}", finding.name);
+  if (verdict == Verdict::kNamed && !set.empty() && !Contains(set, finding.rule))
+    return Tell("Change that other effects would explain; first taken for: {}",
+                "Änderung, die andere Effekte erklären würden; zuerst gehalten für: {}", finding.name);
   if (verdict == Verdict::kAdequate && !moved.empty())
     return Tell("Change that comparing strokes finds in {}; first taken for: {}",
                 "Änderung, die der Vergleich der Hübe in {} findet; zuerst gehalten für: {}",
@@ -187,12 +215,24 @@ Told TitleBeside(const drift::DriftFinding& finding, Verdict verdict, const std:
   return {};
 }
 
+std::int64_t EndOfHealthy(const drift::DriftFinding& finding,
+                          const std::vector<drift::DriftFinding>& findings) {
+  // Strokes in the interval of a change belong to neither side.
+  const auto before = [](const drift::DriftFinding& f) {
+    return std::min(f.since.low, f.since.last_before) + 1;
+  };
+  std::int64_t end = before(finding);
+  for (const drift::DriftFinding& other : findings)
+    if (!other.parts.empty() && other.state != drift::FindingState::kGone &&
+        finding.since.last_before <= other.found + drift::kDriftThresholds.most_to_explain)
+      end = std::min(end, before(other));
+  return end;
+}
+
 drift::FindingExplanation ExplainFinding(const Database& database, const std::string& path,
                                          const std::string& machine, std::int64_t machine_id,
                                          const drift::DriftFinding& finding, std::int64_t first_healthy,
-                                         std::int64_t end) {
-  // Strokes in the interval of the change belong to neither side.
-  const std::int64_t healthy_end = std::min(finding.since.low, finding.since.last_before) + 1;
+                                         std::int64_t healthy_end, std::int64_t end) {
   const std::int64_t changed = std::max(finding.since.high, finding.since.last_before) + 1;
   const HistoryPart before{machine, machine_id, std::max(first_healthy, healthy_end - kMostStrokesCompared),
                            healthy_end};
@@ -213,7 +253,8 @@ drift::FindingExplanation ExplainFinding(const Database& database, const std::st
   OtherWords other = WordsBeside(*result, finding);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
-          verdict == Verdict::kNamed || verdict == Verdict::kAdequate,
+          (verdict == Verdict::kNamed && NotProven(result->after.explanation).empty()) ||
+              verdict == Verdict::kAdequate,
           verdict != Verdict::kUnknown,
           CauseOf(*result),
           std::move(other.title),

@@ -69,16 +69,17 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result, bool n
              Tell("'explain' gives no verdict on them: {}", "'explain' gibt kein Urteil über sie: {}",
                   x.no_verdict),
              true}};
+  const Told proven = x.partial ? Told(" (not proven)", " (nicht bewiesen)") : Told{};
   switch (x.verdict) {
     case Verdict::kAdequate:
       return {};
     case Verdict::kNamed:
-      return {{Kind::kEffect, Tell("'explain' finds in them: {}", "'explain' findet in ihnen: {}",
-                                   fmt::format("{}", fmt::join(x.set, ", ")))}};
+      return {{Kind::kEffect, Tell("'explain' finds in them: {}{}", "'explain' findet in ihnen: {}{}",
+                                   fmt::format("{}", fmt::join(x.set, ", ")), proven)}};
     case Verdict::kAmbiguous:
       return {{Kind::kEffect,
-               Tell("'explain' finds in them one of: {}", "'explain' findet in ihnen eines von: {}",
-                    fmt::format("{}", fmt::join(x.set, ", ")))}};
+               Tell("'explain' finds in them one of: {}{}", "'explain' findet in ihnen eines von: {}{}",
+                    fmt::format("{}", fmt::join(x.set, ", ")), proven)}};
     case Verdict::kUnknown:
       break;
   }

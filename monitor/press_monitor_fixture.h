@@ -163,10 +163,6 @@ class PressMonitorTest : public testing::Test {
   std::vector<std::int64_t> runs_, ids_, stored_;
 };
 
-/// 24 strokes with a leak may not tell it from one to the outside: then both are named, the likelier one first.
-inline constexpr const char* kInternalLeakageAppeared =
-    "appeared( and the strokes cannot tell which)?: internal_leakage";
-
 inline std::vector<std::string> Standing(const AxisMonitor& axis) {
   std::vector<std::string> alarms;
   for (const AlarmState& alarm : axis.alarms())

@@ -207,6 +207,8 @@ nlohmann::json AlarmsJson(const std::vector<AlarmState>& standing) {
                       {"severity", SeverityName(a.severity)},
                       {"text", a.text},
                       {"cause", CauseText(a.cause)},
+                      {"cause_kind", CauseKindName(a.cause.kind)},
+                      {"cause_effects", a.cause.effects},
                       {"raised_stroke", a.raised_stroke},
                       {"first_stroke", a.first_stroke},
                       {"last_stroke", a.last_stroke}});

@@ -189,7 +189,8 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     if (!query.IsNull(7)) a.shelved_until = query.Real(7);
     query.Read(8, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
                a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke);
-    a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
+    a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(
+                   query.Int(20), 0, static_cast<std::int64_t>(CauseKind::kNotProven))),
                SplitNames(query.Text(21))};
     a.words = {
         {query.Text(22), query.Text(23)}, {query.Text(24), query.Text(25)}, {query.Text(26), query.Text(27)}};

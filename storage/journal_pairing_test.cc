@@ -27,7 +27,7 @@ class JournalPairing : public testing::Test {
       AlarmState& alarm = axis.Alarm("internal_leakage");
       alarm.active = true;
       alarm.acknowledged = false;
-      alarm.cause = {CauseKind::kSeveral, {"internal_leakage", "external_leakage"}};
+      alarm.cause = {CauseKind::kNotProven, {"internal_leakage", "external_leakage"}};
       axis.monitor = {strokes, 1, {1}};
       AlarmEvent event;
       event.event = "raised";
@@ -88,7 +88,8 @@ TEST_F(JournalPairing, AJournalOfAnOlderVersionIsTakenOverUnlessItIsAheadOfTheDa
   }
   Raise(3);
   EXPECT_FALSE(Pair().has_value());
-  EXPECT_EQ(Value(Journal().Axis("press 7")).alarms[0].cause.effects.size(), 2u);
+  EXPECT_EQ(Value(Journal().Axis("press 7")).alarms[0].cause,
+            (AlarmCause{CauseKind::kNotProven, {"internal_leakage", "external_leakage"}}));
   Delete();
   for (const char* end : {"", "-wal", "-shm"})
     std::filesystem::remove(AlarmJournal::PathFor(folder_.File()) + end);

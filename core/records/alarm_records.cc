@@ -34,6 +34,8 @@ Told CauseTold(const AlarmCause& cause) {
       return Tell("{}", "{}", listed);
     case CauseKind::kSeveral:
       return Tell("one of {}", "eine von {}", listed);
+    case CauseKind::kNotProven:
+      return Tell("not proven; nearest: {}", "nicht bewiesen; am nächsten kommt: {}", listed);
     case CauseKind::kNotKnown:
       break;
   }
@@ -41,6 +43,12 @@ Told CauseTold(const AlarmCause& cause) {
 }
 
 std::string CauseText(const AlarmCause& cause) { return CauseTold(cause).english; }
+
+const char* CauseKindName(CauseKind kind) {
+  static constexpr std::array<const char*, 5> kNames = {"not_sought", "named", "one_of_several", "not_known",
+                                                        "not_proven"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
 
 const char* StateName(const AlarmState& alarm) {
   if (alarm.out_of_service) return "OOSRV";

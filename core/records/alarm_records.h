@@ -23,15 +23,19 @@ enum class CauseKind {
   kNamed,      ///< these effects of the library appeared
   kSeveral,    ///< one of them did, and the strokes cannot tell which
   kNotKnown,   ///< no effect of the library explains the change
+  kNotProven,  ///< these come nearest, and the comparison does not prove that it is one of them
 };
 struct AlarmCause {
   CauseKind kind = CauseKind::kNotSought;
-  std::vector<std::string> effects;  ///< ids, best first; kNamed, kSeveral
+  std::vector<std::string> effects;  ///< ids, best first; kNamed, kSeveral, kNotProven
   bool operator==(const AlarmCause&) const = default;
 };
-/// "", "not known", "internal_leakage", "one of internal_leakage, external_leakage".
+/// "", "not known", "internal_leakage", "one of internal_leakage, external_leakage",
+/// "not proven; nearest: internal_leakage, supply_leakage".
 Told CauseTold(const AlarmCause& cause);
 std::string CauseText(const AlarmCause& cause);
+/// "not_sought", "named", "one_of_several", "not_known", "not_proven".
+const char* CauseKindName(CauseKind kind);
 
 /// What an alarm says, by what it tells. Of one that no finding raises all of it is `finding`.
 struct AlarmWords {

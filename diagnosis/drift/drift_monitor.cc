@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "models/machine_kind.h"
@@ -249,8 +250,10 @@ bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
 
 bool DriftMonitor::StandsBesideAnother(const DriftFinding& finding) const {
   return std::any_of(findings_.begin(), findings_.end(), [&](const DriftFinding& f) {
+    const AlarmCause& cause = f.compared.cause;
+    const bool another = cause.kind == CauseKind::kNotProven && !Contains(cause.effects, f.rule);
     return f.number != finding.number && f.state != FindingState::kGone &&
-           (!f.described() || !f.compared.cause_title.empty());
+           (!f.described() || another || !f.compared.cause_title.empty());
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contains.h"
 #include "core/told_error.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
@@ -176,18 +177,18 @@ void DoubtForUnmeasured(const Machine& machine, Explanation& x) {
 }
 
 void DoubtForTwinNotStored(Explanation& x) {
-  if (x.partial || x.set.empty()) return;
   for (const std::string& named : x.set)
     for (const std::string& twin : TwinsOf(*x.model, named)) {
       const bool tried =
           std::ranges::any_of(x.model->effects, [&](const auto& effect) { return effect->id == twin; });
-      if (tried) continue;
+      if (tried || Contains(x.untried, twin)) continue;
+      x.untried.push_back(twin);
+      if (x.partial) continue;
       x.partial = true;
       x.doubt = Tell(
           "{} looks the same and is tried on a log only: stored strokes keep no columns of it",
           "{} sieht genauso aus und wird nur an einer Aufzeichnung versucht: gespeicherte Hübe behalten keine Spalten davon",
           twin);
-      return;
     }
 }
 

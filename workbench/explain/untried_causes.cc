@@ -44,6 +44,8 @@ void DoubtForUntried(const Machine& machine, const std::function<bool(int channe
     if (missing) untried.push_back(effect->id);
   }
   if (untried.empty()) return;
+  for (const std::string& id : untried)
+    if (!Contains(x.untried, id)) x.untried.push_back(id);
   const std::string signals = fmt::to_string(fmt::join(x.unmeasured, ", "));
   const bool one = x.unmeasured.size() == 1;
   const Told why = Tell("{} may be the cause as well and could not be tried: {} {} not measured",

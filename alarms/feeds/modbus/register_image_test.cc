@@ -94,6 +94,9 @@ TEST(RegisterImage, ShowsFlagsAndStateOfAnAlarm) {
   EXPECT_EQ(Whole(image, first + kAlarmSequence), 77u);
   EXPECT_EQ(Float(image, first + kAlarmLimit), 3);
   EXPECT_EQ(Word(image, kFirstCause + 2), 3) << "cause not known";
+  alarm.cause = {CauseKind::kNotProven, {"internal_leakage", "supply_leakage"}};
+  image.ShowAlarm(3, 1, alarm, 78);
+  EXPECT_EQ(Word(image, kFirstCause + 2), 4) << "not proven, which is not named";
 }
 
 TEST(RegisterImage, KeepsTheNewestRowsInTheRingUnderTheirNumbers) {

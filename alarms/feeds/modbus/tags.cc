@@ -90,7 +90,7 @@ constexpr Place kAlarmPlaces[] = {
     {kAlarmName, Cell::kText32, "id", "", ""},
 };
 constexpr Place kCausePlaces[] = {
-    {0, Cell::kU16, "cause", "", "0 not sought, 1 named, 2 one of several, 3 not known"}};
+    {0, Cell::kU16, "cause", "", "0 not sought, 1 named, 2 one of several, 3 not known, 4 not proven"}};
 constexpr Place kRecordPlaces[] = {
     {kSequence, Cell::kU32, "sequence number", "", "row s stands in record s modulo 2048, 16 registers each",
      true},
