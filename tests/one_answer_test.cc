@@ -10,6 +10,7 @@ namespace {
 using namespace command_line_test;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 /// One model, one answer: whatever a command concludes from the model of a machine file, all conclude.
 class OneAnswer : public CommandLine {
@@ -48,7 +49,9 @@ class OneAnswer : public CommandLine {
     EXPECT_EQ(fit["verdict"], explain["verdict"]);
     EXPECT_EQ(check["verdict"], explain["verdict"]);
     EXPECT_EQ(compare["verdict"], explain["verdict"]);
-    EXPECT_EQ(compare["model_error_seen"].get<bool>(), explain["verdict"] != "adequate");
+    EXPECT_EQ(compare["odd_strokes"], explain["odd_strokes"]);
+    EXPECT_EQ(compare["model_error_seen"].get<bool>(),
+              explain["verdict"] != "adequate" || !explain["odd_strokes"].empty());
     for (const auto& [name, parameter] : fit["parameters"].items())
       for (const nlohmann::json* other : {&check, &compare, &explain["base"]}) {
         ASSERT_TRUE((*other)["parameters"].contains(name)) << name << other->dump(1);
@@ -223,6 +226,22 @@ TEST_F(OneAnswer, OnTheNoiseUnderColourWhereAnEffectIsMissing) {
 
 TEST_F(OneAnswer, WhereSomeStrokesAreOdd) {
   ExpectOneAnswer(Simulate("odd.csv", 90, 4, {"--imperfection", "intermittent_leakage"}), Cushion());
+}
+
+TEST_F(OneAnswer, AModelOfSomeStrokesIsNoAllClearOfAll) {
+  const std::string log = Simulate("bad.csv", 60, 3, {"--imperfection", "bad_stretch"}), machine = Cushion();
+  const Ran compare = Run({"compare", log, "-m", machine});
+  EXPECT_THAT(compare.out,
+              StartsWith("The model describes 11 of 12 strokes down to the sensor noise; stroke 6 (at"));
+  EXPECT_THAT(compare.out, HasSubstr("WARNING: stroke 6 (at"));
+  EXPECT_THAT(compare.out, HasSubstr("fitted to 11 of 12 strokes"));
+  EXPECT_THAT(compare.out, Not(HasSubstr("NOT WHITE")));
+  const nlohmann::json json = Json({"compare", log, "-m", machine});
+  EXPECT_EQ(json["model_error_seen"], true);
+  EXPECT_EQ(json["strokes_described"], 11);
+  EXPECT_EQ(json["worst_stroke"], 6);
+  ASSERT_EQ(Run({"explain", log, "-m", machine, "--report", File("bad.html")}).exit_code, 0);
+  EXPECT_THAT(ReadText(File("bad.html")), HasSubstr("The model describes 11 of 12 strokes; stroke 6 (at"));
 }
 
 TEST_F(OneAnswer, OnALogThatIsHeldOut) {
