@@ -228,6 +228,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   const NoiseScales noise = NoiseScalesOf(judged, trust);
   replay.summary.noise_scale = noise.noise;
   replay.summary.evidence_scale = noise.evidence;
+  if (noise.noise != 1) replay.summary.floor_scale = noise.floor;
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.swapped.empty() ? pass.no_verdict.english : pass.swapped.front().english;

@@ -25,6 +25,10 @@ class OneAnswer : public CommandLine {
     WriteText(File("machine.toml"), text);
     return File("machine.toml");
   }
+  std::string AddedTo(const std::string& machine, const std::string& log) {
+    EXPECT_EQ(Run({"model", "add", "internal_leakage", log, "-m", machine}).exit_code, 0);
+    return machine;
+  }
   std::string Cushion() { return Machine(ReadText(kMachine)); }
 
   static void ExpectSame(const nlohmann::json& a, const nlohmann::json& b, const std::string& what) {
@@ -222,6 +226,24 @@ TEST_F(OneAnswer, OnTheNoiseUnderColourWhereAnEffectIsMissing) {
   ExpectSame(explain["base"]["noise_floor"], explain["noise_floor"], "noise floor");
   ExpectSame(Json({"fit", log, "-m", Cushion()})["noise_floor"], explain["noise_floor"],
              "noise floor of fit");
+}
+
+TEST_F(OneAnswer, OnTheNoiseUnderColourInLogDatabaseAndModel) {
+  const std::string log = Simulate("hidden.csv", 90, 61,
+                                   {"--effect", "internal_leakage=2e-12", "--imperfection",
+                                    "coloured_noise=0.1,phi=0.8"}),
+                    machine = Cushion(), db = File("a.db");
+  const nlohmann::json explain = Json({"explain", log, "-m", machine});
+  const double floor = explain["base"]["noise_floor"].get<double>();
+  EXPECT_GT(explain["noise_scale"].get<double>(), 2);
+  const auto expect = [&](const nlohmann::json& other, const std::string& what) {
+    ASSERT_TRUE(other.is_number()) << what;
+    EXPECT_NEAR(other.get<double>(), floor, 1e-3 * floor) << what;
+  };
+  expect(Json({"replay", log, "-m", machine, "--db", db})["noise_floor"], "replay");
+  expect(Json({"compare", "--db", db})["noise_floor"], "compare of the database");
+  expect(Json({"explain", "--db", db})["base"]["noise_floor"], "explain of the database");
+  expect(Json({"model", "history", "-m", AddedTo(machine, log)})["versions"][0]["noise_floor"], "model add");
 }
 
 TEST_F(OneAnswer, WhereSomeStrokesAreOdd) {

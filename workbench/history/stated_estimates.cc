@@ -9,6 +9,7 @@
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
 #include "pipeline/run_summary.h"
+#include "workbench/history/kept_noise.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {
@@ -54,17 +55,20 @@ double PeriodOf(const RunInfo& run, const Machine& machine) {
 /// The fit to the last run that was read to its end; nothing where that excites too little, which each parameter tells.
 Status FitLastRun(const Database& database, std::int64_t machine_id, const Machine& machine,
                   std::shared_ptr<const ModelStructure> model, const std::vector<RunInfo>& runs,
-                  GramFit& figures) {
+                  StatedEstimates& out) {
   const auto run =
       std::find_if(runs.rbegin(), runs.rend(), [](const RunInfo& r) { return r.complete && r.strokes > 0; });
   if (run == runs.rend()) return {};
-  if (InEpisodes(KindOf(machine))) return TakeErrorsOfEpisodes(database, *run, figures);
+  if (InEpisodes(KindOf(machine))) return TakeErrorsOfEpisodes(database, *run, out.figures);
   const double period = PeriodOf(*run, machine);
   if (!(period > 0)) return {};
   const std::int64_t end = run->first_sequence + run->strokes;
-  const auto history = TRY(HistoryOf(database, machine_id, machine, std::move(model), period,
-                                     std::max(run->first_sequence, end - kMostStrokesFitted), end));
-  if (const auto fitted = FitHistoryModel(machine, history)) figures = fitted->figures;
+  auto history = TRY(HistoryOf(database, machine_id, machine, std::move(model), period,
+                               std::max(run->first_sequence, end - kMostStrokesFitted), end));
+  const auto noise = NoiseOf(ParseRunSummary(run->summary_json));
+  history.floor_scale = noise ? noise->floor : std::nullopt;
+  out.floor_known = history.floor_scale.has_value();
+  if (const auto fitted = FitHistoryModel(machine, history)) out.figures = fitted->figures;
   return {};
 }
 
@@ -125,7 +129,7 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
   out.assumed = AssumeTolerances(tolerant);
   const auto assumed = TRY(BuildModel(tolerant));
   out.statements = ToleranceStatements(machine, model);
-  TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out.figures));
+  TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out));
   std::vector<Estimate> known = latest;
   for (Estimate& e : known) StateEstimate(out.statements, e);
   StateByLastRun(out.figures, out.statements, known);
