@@ -266,6 +266,18 @@ TEST_F(OneAnswer, AModelOfSomeStrokesIsNoAllClearOfAll) {
   EXPECT_THAT(ReadText(File("bad.html")), HasSubstr("The model describes 11 of 12 strokes; stroke 6 (at"));
 }
 
+/// At a shape that is held the size alone looks surer than it is.
+TEST_F(OneAnswer, ReplayIsNoSurerOfASizeThanItsShapeAllows) {
+  const std::string log = Simulate("air.csv", 60, 4, {"--effect", "entrained_air=0.09"}), machine = Cushion(),
+                    db = File("air.db");
+  ASSERT_EQ(Run({"model", "add", "entrained_air", log, "-m", machine}).exit_code, 0);
+  const nlohmann::json fit = Json({"fit", log, "-m", machine})["parameters"]["entrained_air.a"],
+                       replay =
+                           Json({"replay", log, "-m", machine, "--db", db})["parameters"]["entrained_air.a"];
+  EXPECT_GE(replay["std"].get<double>(), 0.9 * fit["std"].get<double>());
+  EXPECT_THAT(Run({"explain", log, "-m", kMachine}).out, HasSubstr(" at n "));
+}
+
 TEST_F(OneAnswer, OnALogThatIsHeldOut) {
   const std::string machine = Cushion();
   const std::string a = Simulate("a.csv", 60, 4),

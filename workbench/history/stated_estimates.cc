@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/quantile.h"
 #include "core/records/reason_told.h"
 #include "models/machine_kind.h"
@@ -85,12 +86,29 @@ void StateByLastRun(const GramFit& figures, std::vector<EstimateStatement>& stat
   for (EstimateStatement& statement : statements)
     for (const Estimate& fitted : figures.parameters) {
       if (fitted.parameter != statement.parameter) continue;
-      if (together && std::isfinite(fitted.std)) statement.least_std = fitted.std;
+      if (together && std::isfinite(fitted.std))
+        statement.least_std = std::max(statement.least_std, fitted.std);
       const auto known = std::ranges::find(latest, fitted.parameter, &Estimate::parameter);
       const bool wider = known != latest.end() && statement.least_std > known->std;
       if (fitted.reason == EstimateReason::kConfounded && (fitted.excitation > 0 || wider))
         Confound(ReasonTold(fitted.reason), statement);
     }
+}
+
+/// The estimator follows a size at the shape that the machine file holds. How well the log that gave the shape told it, and with it
+/// the size, stands in the history of the model; no number of further strokes at that shape tells it better.
+void StateByShape(const Machine& machine, const ModelStructure& model,
+                  std::vector<EstimateStatement>& statements) {
+  for (const auto& effect : model.effects) {
+    if (effect->nonlinear.empty() || !Contains(machine.added_effects, effect->id)) continue;
+    const std::string size = effect->id + "." + effect->parameter;
+    for (auto record = machine.model_history.rbegin(); record != machine.model_history.rend(); ++record) {
+      const auto told = std::ranges::find(record->parameters, size, &RecordedValue::name);
+      if (told == record->parameters.end()) continue;
+      statements.push_back({.parameter = size, .least_std = told->std, .why = {}});
+      break;
+    }
+  }
 }
 
 /// `latest` in the order of the model's parameters; one without an estimate cannot be moved out of its interval.
@@ -129,6 +147,7 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
   out.assumed = AssumeTolerances(tolerant);
   const auto assumed = TRY(BuildModel(tolerant));
   out.statements = ToleranceStatements(machine, model);
+  StateByShape(machine, model, out.statements);
   TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out));
   std::vector<Estimate> known = latest;
   for (Estimate& e : known) StateEstimate(out.statements, e);
