@@ -59,7 +59,7 @@ void AddFreeRun(CompareResult& out) {
   out.rms_run = std::sqrt(measured / blocks);
 }
 
-Residuals ResidualsOf(const CompareResult& compared) {
+Residuals ResidualsCompared(const CompareResult& compared) {
   return ResidualsOf(compared.model.structure, compared.log.stretches, compared.log.window,
                      ColumnWeights(*compared.model.structure, compared.model.fit));
 }
@@ -78,7 +78,7 @@ void JudgeOnLogs(CompareResult& out) {
   TakeVerdict(judged.explanation, out);
   if (!out.odd.empty()) {
     TakeModelOfTheRest(judged.explanation, out.model);
-    out.residuals = ResidualsOf(out);
+    out.residuals = ResidualsCompared(out);
   }
   if (HasFloorOfItsOwn(judged.trust, judged.explanation))
     ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
@@ -169,7 +169,7 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
         "Gate von {2} durchlässt",
         fmt::format("{}", fmt::join(chosen.fitted, ", ")), out.strokes, machine_file));
   out.model = TRY(FitMachineModel(out.log));
-  out.residuals = ResidualsOf(out);
+  out.residuals = ResidualsCompared(out);
   if (out.strokes >= kMinExplainStrokes) JudgeOnLogs(out);
   for (std::size_t s = 0; s < out.strokes; ++s) {
     Energy stroke;
