@@ -25,7 +25,8 @@ RunSummary ReadSummary(const nlohmann::json& json) {
   s.too_slow = json.value("too_slow", std::string());
   s.impossible = json.value("impossible", std::string());
   for (const auto& [key, value] :
-       {std::pair("noise_scale", &s.noise_scale), std::pair("evidence_scale", &s.evidence_scale)})
+       {std::pair("noise_scale", &s.noise_scale), std::pair("evidence_scale", &s.evidence_scale),
+        std::pair("floor_scale", &s.floor_scale)})
     if (const double read = json.value(key, 0.0); std::isfinite(read) && read > 0) *value = read;
   s.stopped = json.value("stopped", std::string());
   for (const auto& f : json.value("findings", nlohmann::json::array()))
@@ -63,6 +64,7 @@ std::string FormatRunSummary(const RunSummary& s) {
                          {"stopped", s.stopped}};
   if (s.noise_scale) json["noise_scale"] = *s.noise_scale;
   if (s.evidence_scale) json["evidence_scale"] = *s.evidence_scale;
+  if (s.floor_scale) json["floor_scale"] = *s.floor_scale;
   return JsonText(json);
 }
 

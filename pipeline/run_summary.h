@@ -33,6 +33,8 @@ struct RunSummary {
   /// Noise energy of an equation over what neighbouring rows show, and of how many equations one is worth, as `explain` finds
   /// them where noise goes on from row to row; 1: as rows show. Nothing: nobody looked.
   std::optional<double> noise_scale, evidence_scale;
+  /// Energy of the noise floor (flow form) that `explain` trusts there, over that of white noise; absent where `noise_scale` is 1.
+  std::optional<double> floor_scale;
   std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

@@ -150,6 +150,12 @@ std::string Headline(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   switch (x.verdict) {
     case Verdict::kAdequate:
+      if (!x.odd_strokes.empty()) {
+        const auto odd = ToldOddStrokesOf(result.log, x);
+        return fmt::format("△ The model describes {} of {} strokes; {}",
+                           result.strokes - IndicesOf(odd).size(), result.strokes,
+                           EscapeText(WhichDiffer(result.log, odd).english));
+      }
       return "✓ The model describes these strokes: nothing is missing in it";
     case Verdict::kNamed: {
       std::string names;

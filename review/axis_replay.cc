@@ -1,6 +1,7 @@
 #include "review/axis_replay.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -228,6 +229,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   const NoiseScales noise = NoiseScalesOf(judged, trust);
   replay.summary.noise_scale = noise.noise;
   replay.summary.evidence_scale = noise.evidence;
+  if (noise.noise != 1) replay.summary.floor_scale = noise.floor;
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.swapped.empty() ? pass.no_verdict.english : pass.swapped.front().english;
@@ -246,15 +248,18 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   TRY(database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState()));
   replay.run.strokes = strokes;
   replay.run.complete = true;
-  if (collector) Take(*collector, replay.run);
+  if (collector) Take(*collector, replay);
   return {};
 }
 
-void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
-  overlays_ = collector.overlays.Choose(run.first_sequence);
-  for (StrokeOverlay& overlay : overlays_) overlay.unit = OutputUnit(machine_);
+void AxisReplay::Take(ReportCollector& collector, const LogReplay& replay) {
+  overlays_ = collector.overlays.Choose(replay.run.first_sequence);
+  for (StrokeOverlay& overlay : overlays_) {
+    overlay.unit = OutputUnit(machine_);
+    overlay.noise_floor *= std::sqrt(replay.summary.floor_scale.value_or(1));
+  }
   strokes_ = collector.strokes.Finish(collector.pipeline);
-  overlay_run_ = run.id;
+  overlay_run_ = replay.run.id;
 }
 
 /// Episodes have no flows to lay over each other.
@@ -276,7 +281,7 @@ Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
   const auto state = TRY(database_.PipelineStateBefore(last->run.id));
   if (state) static_cast<void>(pipeline->RestoreState(*state));  // as the run itself: anew if it does not fit
   const auto pass = TRY(PassLog(*reader, machine_, pipeline.get(), "overlay for the report"));
-  Take(*collector, last->run);
+  Take(*collector, *last);
   return {};
 }
 

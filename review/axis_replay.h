@@ -45,7 +45,7 @@ class AxisReplay {
   bool ShowsStretches() const;
   Status CollectOverlays(const ReplayOutcome& outcome);
   bool AddChange(const ReplayOutcome& outcome, ReportInput& input) const;
-  void Take(ReportCollector& collector, const RunInfo& run);
+  void Take(ReportCollector& collector, const LogReplay& replay);
 
   const ReplayOptions& options_;
   LogsOfAxis share_;

@@ -123,9 +123,12 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
     text += fmt::format("{} of the last run hang together: intervals are at least those of groups of them\n",
                         counted.many);
   if (outcome.stated.figures.noise_floor > 0)
-    text += fmt::format("model error on {} left out {} {}, sensor noise alone would cause {} {} (last run)\n",
-                        counted.many, ShortNumber(outcome.stated.figures.rms_holdout * unit.factor),
-                        unit.name, ShortNumber(outcome.stated.figures.noise_floor * unit.factor), unit.name);
+    text += fmt::format("model error on {} left out {} {}, {} would cause {} {} (last run)\n", counted.many,
+                        ShortNumber(outcome.stated.figures.rms_holdout * unit.factor), unit.name,
+                        outcome.stated.floor_known
+                            ? "sensor noise alone"
+                            : "white noise (whether that of these sensors is white is not known)",
+                        ShortNumber(outcome.stated.figures.noise_floor * unit.factor), unit.name);
   if (outcome.stated.figures.strokes > 0)
     if (const ModelHeadline headline = HeadlineOf(outcome.stated.figures, ErrorFinding::kNoise);
         headline.standing == ModelStanding::kNotJudged)
@@ -261,6 +264,7 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"watch", WatchJson(outcome.watch)},
           {"rms_holdout", error(figures.rms_holdout)},
           {"noise_floor", error(figures.noise_floor)},
+          {"noise_floor_known", outcome.stated.floor_known},
           {"unit", unit.name},
           {"skipped", skipped}};
 }

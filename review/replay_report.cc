@@ -166,11 +166,13 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   input.runs = outcome.runs;
   for (const RunInfo& run : outcome.runs) {
     auto strokes = TRY(database.Strokes(run.id));
+    const RunSummary summary = ParseRunSummary(run.summary_json);
     for (StrokeSummary& stroke : strokes) {
       stroke.index += run.first_sequence;
+      stroke.noise_floor *= std::sqrt(summary.floor_scale.value_or(1));  // stored as that of white noise
       input.strokes.push_back(stroke);
     }
-    input.rows += ParseRunSummary(run.summary_json).rows;
+    input.rows += summary.rows;
   }
   input.trends = TRY(database.Trend(machine_id, ""));
   if (auto blocks = EstimateBlocks(database, machine_id, outcome.machine, input.strokes); blocks)

@@ -10,6 +10,7 @@ namespace {
 using namespace command_line_test;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 /// One model, one answer: whatever a command concludes from the model of a machine file, all conclude.
 class OneAnswer : public CommandLine {
@@ -23,6 +24,10 @@ class OneAnswer : public CommandLine {
   std::string Machine(const std::string& text) {
     WriteText(File("machine.toml"), text);
     return File("machine.toml");
+  }
+  std::string AddedTo(const std::string& machine, const std::string& log) {
+    EXPECT_EQ(Run({"model", "add", "internal_leakage", log, "-m", machine}).exit_code, 0);
+    return machine;
   }
   std::string Cushion() { return Machine(ReadText(kMachine)); }
 
@@ -48,7 +53,9 @@ class OneAnswer : public CommandLine {
     EXPECT_EQ(fit["verdict"], explain["verdict"]);
     EXPECT_EQ(check["verdict"], explain["verdict"]);
     EXPECT_EQ(compare["verdict"], explain["verdict"]);
-    EXPECT_EQ(compare["model_error_seen"].get<bool>(), explain["verdict"] != "adequate");
+    EXPECT_EQ(compare["odd_strokes"], explain["odd_strokes"]);
+    EXPECT_EQ(compare["model_error_seen"].get<bool>(),
+              explain["verdict"] != "adequate" || !explain["odd_strokes"].empty());
     for (const auto& [name, parameter] : fit["parameters"].items())
       for (const nlohmann::json* other : {&check, &compare, &explain["base"]}) {
         ASSERT_TRUE((*other)["parameters"].contains(name)) << name << other->dump(1);
@@ -221,8 +228,54 @@ TEST_F(OneAnswer, OnTheNoiseUnderColourWhereAnEffectIsMissing) {
              "noise floor of fit");
 }
 
+TEST_F(OneAnswer, OnTheNoiseUnderColourInLogDatabaseAndModel) {
+  const std::string log = Simulate("hidden.csv", 90, 61,
+                                   {"--effect", "internal_leakage=2e-12", "--imperfection",
+                                    "coloured_noise=0.1,phi=0.8"}),
+                    machine = Cushion(), db = File("a.db");
+  const nlohmann::json explain = Json({"explain", log, "-m", machine});
+  const double floor = explain["base"]["noise_floor"].get<double>();
+  EXPECT_GT(explain["noise_scale"].get<double>(), 2);
+  const auto expect = [&](const nlohmann::json& other, const std::string& what) {
+    ASSERT_TRUE(other.is_number()) << what;
+    EXPECT_NEAR(other.get<double>(), floor, 1e-3 * floor) << what;
+  };
+  expect(Json({"replay", log, "-m", machine, "--db", db})["noise_floor"], "replay");
+  expect(Json({"compare", "--db", db})["noise_floor"], "compare of the database");
+  expect(Json({"explain", "--db", db})["base"]["noise_floor"], "explain of the database");
+  expect(Json({"model", "history", "-m", AddedTo(machine, log)})["versions"][0]["noise_floor"], "model add");
+}
+
 TEST_F(OneAnswer, WhereSomeStrokesAreOdd) {
   ExpectOneAnswer(Simulate("odd.csv", 90, 4, {"--imperfection", "intermittent_leakage"}), Cushion());
+}
+
+TEST_F(OneAnswer, AModelOfSomeStrokesIsNoAllClearOfAll) {
+  const std::string log = Simulate("bad.csv", 60, 3, {"--imperfection", "bad_stretch"}), machine = Cushion();
+  const Ran compare = Run({"compare", log, "-m", machine});
+  EXPECT_THAT(compare.out,
+              StartsWith("The model describes 11 of 12 strokes down to the sensor noise; stroke 6 (at"));
+  EXPECT_THAT(compare.out, HasSubstr("WARNING: stroke 6 (at"));
+  EXPECT_THAT(compare.out, HasSubstr("fitted to 11 of 12 strokes"));
+  EXPECT_THAT(compare.out, Not(HasSubstr("NOT WHITE")));
+  const nlohmann::json json = Json({"compare", log, "-m", machine});
+  EXPECT_EQ(json["model_error_seen"], true);
+  EXPECT_EQ(json["strokes_described"], 11);
+  EXPECT_EQ(json["worst_stroke"], 6);
+  ASSERT_EQ(Run({"explain", log, "-m", machine, "--report", File("bad.html")}).exit_code, 0);
+  EXPECT_THAT(ReadText(File("bad.html")), HasSubstr("The model describes 11 of 12 strokes; stroke 6 (at"));
+}
+
+/// At a shape that is held the size alone looks surer than it is.
+TEST_F(OneAnswer, ReplayIsNoSurerOfASizeThanItsShapeAllows) {
+  const std::string log = Simulate("air.csv", 60, 4, {"--effect", "entrained_air=0.09"}), machine = Cushion(),
+                    db = File("air.db");
+  ASSERT_EQ(Run({"model", "add", "entrained_air", log, "-m", machine}).exit_code, 0);
+  const nlohmann::json fit = Json({"fit", log, "-m", machine})["parameters"]["entrained_air.a"],
+                       replay =
+                           Json({"replay", log, "-m", machine, "--db", db})["parameters"]["entrained_air.a"];
+  EXPECT_GE(replay["std"].get<double>(), 0.9 * fit["std"].get<double>());
+  EXPECT_THAT(Run({"explain", log, "-m", kMachine}).out, HasSubstr(" at n "));
 }
 
 TEST_F(OneAnswer, OnALogThatIsHeldOut) {

@@ -44,10 +44,12 @@ void AddFreeRun(CompareResult& out) {
   const auto runs = FreeRun(*out.model.structure, out.log.stretches, out.log.window,
                             ColumnWeights(*out.model.structure, out.model.fit));
   if (!runs) return;
+  const std::vector<std::size_t> odd = IndicesOf(out.odd);
   double error = 0, measured = 0, blocks = 0;
   for (std::size_t s = 0; s < out.strokes; ++s) {
     const FreeRunStroke& run = (*runs)[s];
     out.per_stroke[s].free_run = run.rms;
+    if (std::ranges::binary_search(odd, s)) continue;
     error += run.rms * run.rms * static_cast<double>(run.measured.size());
     for (const double value : run.measured) measured += value * value;
     blocks += static_cast<double>(run.measured.size());
@@ -57,12 +59,38 @@ void AddFreeRun(CompareResult& out) {
   out.rms_run = std::sqrt(measured / blocks);
 }
 
+Residuals ResidualsCompared(const CompareResult& compared) {
+  return ResidualsOf(compared.model.structure, compared.log.stretches, compared.log.window,
+                     ColumnWeights(*compared.model.structure, compared.model.fit));
+}
+
+/// The model fitted without the strokes that differ from the rest.
+void TakeModelOfTheRest(const Explanation& explanation, MachineModel& model) {
+  model.structure = explanation.model;
+  model.fit = explanation.base;
+  model.choices.clear();
+  for (const EffectEstimate& effect : model.fit.effects) model.choices.push_back(effect.choice);
+}
+
 void JudgeOnLogs(CompareResult& out) {
   const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
   if (!judged.explanation.base.solved) return;
   TakeVerdict(judged.explanation, out);
+  if (!out.odd.empty()) {
+    TakeModelOfTheRest(judged.explanation, out.model);
+    out.residuals = ResidualsCompared(out);
+  }
   if (HasFloorOfItsOwn(judged.trust, judged.explanation))
     ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
+}
+
+/// Of the strokes that do not differ from the rest.
+Residuals ResidualsOfTheRest(const CompareResult& compared) {
+  Residuals rest = compared.residuals;
+  const std::vector<std::size_t> odd = IndicesOf(compared.odd);
+  for (auto s = odd.rbegin(); s != odd.rend(); ++s)
+    rest.strokes.erase(rest.strokes.begin() + static_cast<std::ptrdiff_t>(*s));
+  return rest;
 }
 
 }  // namespace
@@ -73,6 +101,13 @@ void TakeVerdict(const Explanation& explanation, CompareResult& out) {
   out.no_verdict = explanation.no_verdict;
   out.warnings = InEnglish(explanation.warnings);
   std::erase(out.warnings, out.no_verdict.english);  // the headline says it
+  out.odd = ToldOddStrokesOf(out.log, explanation);
+  for (const ToldOddStrokes& odd : out.odd) out.warnings.push_back(odd.sentence.english);
+}
+
+LeftOut CompareResult::left_out() const {
+  if (odd.empty()) return {strokes, 0, {}};
+  return {strokes, IndicesOf(odd).size(), WhichDiffer(log, odd)};
 }
 
 std::size_t CompareResult::WorstStroke() const {
@@ -134,8 +169,7 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
         "Gate von {2} durchlässt",
         fmt::format("{}", fmt::join(chosen.fitted, ", ")), out.strokes, machine_file));
   out.model = TRY(FitMachineModel(out.log));
-  out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
-                              ColumnWeights(*out.model.structure, out.model.fit));
+  out.residuals = ResidualsCompared(out);
   if (out.strokes >= kMinExplainStrokes) JudgeOnLogs(out);
   for (std::size_t s = 0; s < out.strokes; ++s) {
     Energy stroke;
@@ -146,11 +180,12 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
     out.per_stroke.back().log = std::filesystem::path(chosen.fitted[out.log.strokes[s].gram.log]).filename();
   }
   out.overall = OverallOf(out.model.figures);
-  for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
   AddFreeRun(out);
-  out.whiteness = WhitenessOf(out.residuals);
-  out.correlations = CorrelationsOf(out.residuals);
-  out.location = Locate(out.residuals);
+  const Residuals judged = ResidualsOfTheRest(out);
+  for (const StrokeResiduals& stroke : judged.strokes) out.overall.windows += stroke.windows();
+  out.whiteness = WhitenessOf(judged);
+  out.correlations = CorrelationsOf(judged);
+  out.location = Locate(judged);
   if (chosen.held_out.empty()) return out;
   out.held_out = TRY(ErrorHeldOut(out.log, chosen.held_out));
   return out;

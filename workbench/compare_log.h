@@ -10,6 +10,7 @@
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/whiteness.h"
 #include "workbench/explain/headline.h"
+#include "workbench/explain/odd_text.h"
 #include "workbench/held_out_log.h"
 #include "workbench/history/stroke_history.h"
 #include "workbench/model/machine_model.h"
@@ -53,6 +54,9 @@ struct CompareResult {
   std::string described;    ///< which strokes these are, a line; "" = all of a log
   MachineModel model;
   Residuals residuals;
+  /// That differ from the rest (Explanation::odd_strokes): left out of the model and of everything here but `per_stroke` and
+  /// `residuals`, where they stand beside the model of the others.
+  std::vector<ToldOddStrokes> odd;
   StrokeComparison overall;  ///< MachineModel::figures
   double rms_run = 0;        ///< SI, of the channel of overall.free_run as measured
   std::vector<StrokeComparison> per_stroke;
@@ -66,6 +70,7 @@ struct CompareResult {
   bool may_be_noise = false;  ///< Explanation::may_be_noise
   Told no_verdict;            ///< why `explain` gives none, "" if it does (Explanation::no_verdict)
 
+  LeftOut left_out() const;
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;
   /// Of too few strokes for a verdict there is more than noise if the error is far above 0, or located, or a pattern in time.
@@ -83,7 +88,8 @@ struct CompareResult {
 Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const std::string& hold_out = {});
 
-/// What `explain` says of the strokes compared becomes the comparison's own word.
+/// What `explain` says of the strokes compared becomes the comparison's own word, and its model of those that do not differ the
+/// model compared.
 void TakeVerdict(const Explanation& explanation, CompareResult& out);
 
 /// MachineModel::figures as a comparison of all strokes.

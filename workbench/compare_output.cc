@@ -53,13 +53,22 @@ std::string InPercent(double share) {
   return share < 0.995 ? fmt::format("{:.2g}", 100 * share) : fmt::format("{:.0f}", 100 * share);
 }
 
+/// "; 13 of 26 strokes" where others are left out.
+std::string CoveredText(const CompareResult& result, std::string_view before) {
+  const LeftOut left_out = result.left_out();
+  if (left_out.odd == 0) return "";
+  return fmt::format("{}{} of {}", before, left_out.described(),
+                     CountedWordsOf(result.log.machine).Counted(left_out.strokes));
+}
+
 std::string OverallText(const CompareResult& result) {
   const StrokeComparison& o = result.overall;
   const std::vector<std::string> added = AddedEffects(result);
   const CountedWords counted = CountedWordsOf(result.log.machine);
   std::string text =
-      fmt::format("Model: {}{}, fitted to these {}\n", result.log.machine.model,
-                  added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")), counted.many);
+      fmt::format("Model: {}{}, fitted to {}\n", result.log.machine.model,
+                  added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")),
+                  result.odd.empty() ? fmt::format("these {}", counted.many) : CoveredText(result, ""));
   text += result.described.empty() ? fmt::format("{}, {} of {} rows used\n", counted.Counted(result.strokes),
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
@@ -70,27 +79,27 @@ std::string OverallText(const CompareResult& result) {
   const DisplayUnit unit = OutputUnit(result.log.machine);
   const MachineWords& words = result.log.model->words;
   text += fmt::format(
-      "\n{}, rms in {}\n"
+      "\n{}, rms in {}{}\n"
       "  measured               {:>8}\n"
       "  modelled               {:>8}\n"
       "  difference             {:>8}   {} % of the measured {}\n"
       "  ... {:<18} {:>8}\n"
       "  sensor noise alone     {:>8}\n"
       "  model error            {:>8}   what is above the noise\n",
-      AtBegin(words.output.english, *result.log.model), unit.name, ShortNumber(o.rms_measured * unit.factor),
-      ShortNumber(o.rms_modelled * unit.factor), ShortNumber(o.rms_residual * unit.factor),
-      InPercent(o.relative_error()), words.output.english, fmt::format("{} left out", counted.many),
-      ShortNumber(result.model.figures.rms_holdout * unit.factor), ShortNumber(o.noise_floor * unit.factor),
-      ShortNumber(o.model_error() * unit.factor));
+      AtBegin(words.output.english, *result.log.model), unit.name, CoveredText(result, "; "),
+      ShortNumber(o.rms_measured * unit.factor), ShortNumber(o.rms_modelled * unit.factor),
+      ShortNumber(o.rms_residual * unit.factor), InPercent(o.relative_error()), words.output.english,
+      fmt::format("{} left out", counted.many), ShortNumber(result.model.figures.rms_holdout * unit.factor),
+      ShortNumber(o.noise_floor * unit.factor), ShortNumber(o.model_error() * unit.factor));
   if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
   if (o.free_run) {
     const DisplayUnit run = RunUnit(result);
     const std::string& called = result.model.structure->free_run->called;
     text += fmt::format(
-        "\n{} that the model runs by itself from the begin of each {}, rms in {}\n"
+        "\n{} that the model runs by itself from the begin of each {}, rms in {}{}\n"
         "  measured               {:>8}\n"
         "  difference             {:>8}   {} % of the measured {}\n",
-        AtBegin(called, *result.log.model), counted.one, run.name,
+        AtBegin(called, *result.log.model), counted.one, run.name, CoveredText(result, "; "),
         ShortNumber(result.rms_run * run.factor, 4), ShortNumber(*o.free_run * run.factor),
         ShortNumber(PercentOfRun(result), 2), called);
   }
@@ -105,6 +114,7 @@ std::string StrokesText(const CompareResult& result) {
   const DisplayUnit run = RunUnit(result);
   const bool runs = std::ranges::any_of(result.per_stroke,
                                         [](const StrokeComparison& s) { return s.free_run.has_value(); });
+  const std::vector<std::size_t> odd = IndicesOf(result.odd);
   std::string text =
       fmt::format("\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n",
                   counted.one, unit.name, runs ? fmt::format("; free run in {}", run.name) : "", counted.one,
@@ -120,7 +130,7 @@ std::string StrokesText(const CompareResult& result) {
         ShortNumber(s.noise_floor * unit.factor),
         runs ? fmt::format(" {:>9}", s.free_run ? ShortNumber(*s.free_run * run.factor) : std::string("-"))
              : std::string(),
-        k == worst ? " worst" : "");
+        std::string(std::ranges::binary_search(odd, k) ? " differs" : "") + (k == worst ? " worst" : ""));
   }
   if (result.per_stroke.size() > kShown)
     text += fmt::format("  ... the first {} of {} {}; --json has all\n", kShown, result.per_stroke.size(),
@@ -136,10 +146,10 @@ std::string WhitenessText(const CompareResult& result) {
                             ? "NOT WHITE: the rest has a pattern in time"
                             : "not white, but nor is the noise of these sensors: no proof of a model error";
   return fmt::format(
-      "\nWhat is left, block by block\n"
+      "\nWhat is left, block by block{}\n"
       "  variance {:.3g} times that of sensor noise; correlation with the block before {:+.3f}\n"
       "  {} (Ljung-Box over {} lags, p = {:.2g})\n",
-      w.variance_ratio, w.autocorrelation.front(),
+      CoveredText(result, "; "), w.variance_ratio, w.autocorrelation.front(),
       result.HasPattern() ? pattern : "white: no pattern in time is left", w.lags, w.p_value);
 }
 
@@ -152,8 +162,9 @@ std::string LaggedText(const CompareResult& result, const SignalCorrelation& c) 
 
 std::string CorrelationsText(const CompareResult& result) {
   if (result.location.single.empty()) return "";
-  std::string text =
-      "\nWhat the difference follows (error energy that each signal predicts on strokes left out)\n";
+  std::string text = fmt::format(
+      "\nWhat the difference follows (error energy that each signal predicts on strokes left out){}\n",
+      CoveredText(result, "; "));
   for (const ErrorMap& map : result.location.single) {
     const int signal = map.signals.front();
     text += fmt::format("  {:<14} {:>4.0f} %", result.residuals.signals[signal].name,
@@ -178,7 +189,7 @@ ModelHeadline HeadlineOfComparison(const CompareResult& result) {
   const Told no_verdict = result.verdict || found != ErrorFinding::kNoise
                               ? result.no_verdict
                               : TooFewForVerdict(result.strokes, counted);
-  return HeadlineOf(result.model.figures, found, no_verdict, counted);
+  return HeadlineOf(result.model.figures, found, no_verdict, counted, result.left_out());
 }
 
 std::vector<std::string> Warnings(const CompareResult& result) {
@@ -232,6 +243,10 @@ std::string CompareText(const CompareResult& result) {
           LocatedText(result.location.located, OutputUnit(result.log.machine));
   if (headline.standing == ModelStanding::kMisses)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
+  if (headline.standing == ModelStanding::kDescribesSome)
+    text += fmt::format(
+        "\nNext\n  See what the odd {} have in common: product, speed, oil temperature, time since the start\n",
+        CountedWordsOf(result.log.machine).many);
   return text;
 }
 
@@ -241,18 +256,20 @@ nlohmann::json CompareJson(const CompareResult& result) {
   nlohmann::json out = StrokeJson(result.overall, unit.factor, RunUnit(result).factor);
   out["unit"] = unit.name;
   out["strokes"] = result.strokes;
+  out["strokes_described"] = result.left_out().described();
   out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
   out["free_run_percent"] = result.overall.free_run ? nlohmann::json(PercentOfRun(result)) : nlohmann::json();
   const ModelStanding standing = HeadlineOfComparison(result).standing;
   out["model_error_seen"] = standing == ModelStanding::kNotJudged
                                 ? nlohmann::json()
-                                : nlohmann::json(standing == ModelStanding::kMisses);
+                                : nlohmann::json(standing != ModelStanding::kDescribes);
   out["verdict"] = result.verdict ? nlohmann::json(VerdictName(*result.verdict)) : nlohmann::json();
   out["notes"] = result.log.notes;
   out["warnings"] = Warnings(result);
   out["noise"] = NoiseJson(result.model.trust.floor);
   out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());
   out["model_version"] = result.log.machine.model_version;
+  out["odd_strokes"] = OddStrokesJson(result.log, result.odd);
   out["rms_holdout"] = result.model.figures.rms_holdout * unit.factor;
   out["held_out"] = result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json();
   out["effects"] = AddedEffects(result);

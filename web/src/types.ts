@@ -79,10 +79,13 @@ export interface StrokeError { stroke: number; windows?: number; rows?: number; 
 
 export interface HeldOut { log: string; strokes: number; rms: number; unit: string }
 
+/** Strokes that differ from the rest and were left out, and how. */
+export interface OddStrokes { strokes: number[]; set: string[]; parameter?: string; sentence: string; german?: { sentence: string } }
+
 export interface CompareResult {
   held_out: HeldOut | null;
   rms_measured: number; rms_residual: number; noise_floor: number; rms_holdout: number; residual_percent: number; unit: string;
-  strokes: number; verdict: string | null; model_error_seen: boolean | null; warnings: string[]; per_stroke: StrokeError[];
+  strokes: number; strokes_described?: number; odd_strokes?: OddStrokes[]; verdict: string | null; model_error_seen: boolean | null; warnings: string[]; per_stroke: StrokeError[];
   free_run_bar: number | null; free_run_percent: number | null; located: Located[]; maps: ErrorMap[]; parameters: Parameters; text: string;
 }
 
@@ -137,7 +140,7 @@ export interface ExplainResult {
   verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; may_be_noise?: boolean; small_error?: boolean; slow?: boolean; short_runs?: boolean; astray?: boolean; doubtful?: boolean; only_zeros?: boolean; nearest?: string[]; noise_at_most?: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
   final: { rms_holdout: number; drifts?: Record<string, string>; german?: { drifts: Record<string, string> } }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
-  odd_strokes?: { strokes: number[]; set: string[]; parameter?: string; sentence: string; german?: { sentence: string } }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
+  odd_strokes?: OddStrokes[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
   swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
   remainder?: { equation?: string; value_unit?: string; signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
   proposed_laws?: ProposedLaw[]; located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;

@@ -243,8 +243,7 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   Explanation& later = result.after.explanation;
   RefuseSmallShares(earlier.final.excess_ratio, later);
   RefuseWhereEpisodesErrMore(result.before, result.after);
-  for (double* floor : {&result.after.base.noise_floor, &later.base.noise_floor, &later.final.noise_floor})
-    *floor = newest.NoiseFloor(*floor);
+  TakeFloors(newest, result.after);
   TakeConfoundings(newest.units, result.after);
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);

@@ -228,6 +228,17 @@ void SayWhatALogWouldTell(const StrokeHistory& history, Explanation& x) {
         "dieser Maschine schlägt vor, was fehlen kann");
 }
 
+void TakeFloors(const StrokeHistory& history, ExplainResult& result) {
+  Explanation& x = result.explanation;
+  // What the model lacks may pass for less noise than there is: the log tells, or else the best model found.
+  if (x.noise_scale != 1 && history.floor_scale)
+    x.final.noise_floor =
+        history.NoiseFloor(x.model, {x.chosen.begin(), x.chosen.begin() + x.started}, x.base);
+  if (x.noise_scale != 1) result.base.noise_floor = x.final.noise_floor;
+  for (double* floor : {&result.base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
+    *floor = history.NoiseFloor(*floor);
+}
+
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
@@ -241,8 +252,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   DoubtForUntriedLaws(x);
   SayWhatALogWouldTell(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
-  for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
-    *floor = history.NoiseFloor(*floor);
+  TakeFloors(history, *out);
   return out;
 }
 

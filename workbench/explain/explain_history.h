@@ -15,6 +15,9 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations);
 /// ExplainOptions::start is taken from the machine.
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options = {});
 
+/// The noise floors of its fits, as `history` knows what the noise is like.
+void TakeFloors(const StrokeHistory& history, ExplainResult& result);
+
 /// Flags a set of which a twin is in no stored Gram (Effect::twins, Effect::needs_samples): it was not tried.
 void DoubtForTwinNotStored(Explanation& x);
 /// The same of causes that need a signal the machine file does not have (untried_causes.h).

@@ -158,26 +158,6 @@ nlohmann::json PlanJson(const SignalExperiment& experiment) {
           {"separation_now", experiment.separation_now}};
 }
 
-nlohmann::json OddStrokesJson(const ExplainResult& result) {
-  nlohmann::json out = nlohmann::json::array();
-  for (const OddStrokes& odd : result.explanation.odd_strokes) {
-    nlohmann::json strokes = nlohmann::json::array(), begin = nlohmann::json::array();
-    for (const std::size_t s : odd.strokes) {
-      strokes.push_back(result.log.strokes[s].summary.index);
-      begin.push_back(result.log.strokes[s].summary.begin);
-    }
-    const Told sentence = OddText(result, odd);
-    out.push_back({{"strokes", strokes},
-                   {"begin_s", begin},
-                   {"set", odd.set},
-                   {"parameter", odd.parameter},
-                   {"doubt", odd.doubt.english},
-                   {"sentence", sentence.english},
-                   {"german", {{"sentence", sentence.german}}}});
-  }
-  return out;
-}
-
 /// With `unknown`: effects that lower the error, though not to the floor.
 std::vector<std::string> NearestEffects(const Explanation& x) {
   std::vector<std::string> ids;
@@ -276,7 +256,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"relatives", RelativesJson(result)},
       {"proposed_laws", ProposedLawsJson(result)},
       {"measured", MeasuredJson(result)},
-      {"odd_strokes", OddStrokesJson(result)},
+      {"odd_strokes", OddStrokesJson(result.log, ToldOddStrokesOf(result.log, result.explanation))},
       {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
       {"noise_scale", x.noise_scale},
       {"steps", StepsJson(result)},

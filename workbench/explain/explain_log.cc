@@ -275,7 +275,17 @@ NoiseScales NoiseScalesOf(const LogStrokes& strokes, const LogTrust& trust) {
   if (trust.floor.believable) return {};
   const auto explained = ExplainStrokes(strokes);
   if (!explained || !explained->explanation.base.solved) return {};
-  return {explained->explanation.noise_scale, explained->explanation.evidence_scale};
+  const Explanation& x = explained->explanation;
+  NoiseScales out{x.noise_scale, x.evidence_scale, {}};
+  if (const auto white = FitFigures(strokes); white && white->noise_floor > 0)
+    out.floor = std::pow(x.final.noise_floor / white->noise_floor, 2);
+  return out;
+}
+
+double TrustedFloor(const LogStrokes& log, const MachineModel& model) {
+  GramFit figures = model.figures;
+  if (!model.trust.floor.believable) JudgeAsExplain(log, model.structure, figures);
+  return figures.noise_floor;
 }
 
 Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options) {

@@ -79,11 +79,16 @@ struct JudgedModel {
 };
 
 /// What noise comes to that goes on from row to row, for those who have sums of products alone: its energy in an equation over
-/// what neighbouring rows show, and how many equations count as one. 1 where rows show it.
+/// what neighbouring rows show, how many equations count as one, and the energy of the noise floor (flow form) over that of white
+/// noise; nothing: nobody looked. 1 where rows show it.
 struct NoiseScales {
   double noise = 1, evidence = 1;
+  std::optional<double> floor = 1.0;
 };
 NoiseScales NoiseScalesOf(const LogStrokes& strokes, const LogTrust& trust);
+
+/// The noise floor that `explain` trusts on these strokes, rms, SI of the output, where rows do not show it; else that of `model`.
+double TrustedFloor(const LogStrokes& log, const MachineModel& model);
 
 /// Whether the floor of the verdict is another than that of noise which is white from row to row.
 bool HasFloorOfItsOwn(const LogTrust& trust, const Explanation& explanation);

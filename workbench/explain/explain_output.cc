@@ -290,7 +290,12 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
     const std::string value = known ? WithInterval(nonlinear[i] * shown.factor,
                                                    kNormal95 * estimate.nonlinear_std[i] * shown.factor)
                                     : ShortNumber(nonlinear[i] * shown.factor);
-    text += fmt::format(", {} {}{}", effect.nonlinear[i].name, value, behind(shown));
+    // The interval of the size is that at this very shape where the shape has none.
+    text += fmt::format("{} {} {}{}",
+                        known    ? ","
+                        : i == 0 ? " at"
+                                 : " and",
+                        effect.nonlinear[i].name, value, behind(shown));
   }
   return text;
 }

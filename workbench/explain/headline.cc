@@ -67,7 +67,7 @@ std::string WhatItMayBe(const CountedWords& counted) {
 }
 
 ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told& no_verdict,
-                         const CountedWords& counted) {
+                         const CountedWords& counted, const LeftOut& left_out) {
   std::string why = ImpossibleFigures(figures).english;
   if (why.empty()) why = no_verdict.english;
   if (!why.empty())
@@ -78,6 +78,10 @@ ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told&
             fmt::format("Something is left: {}. {}", kNothingPredicts, WhatItMayBe(counted))};
   if (found == ErrorFinding::kMore)
     return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
+  if (left_out.odd > 0)
+    return {ModelStanding::kDescribesSome,
+            fmt::format("The model describes {} of {} down to the sensor noise; {}.", left_out.described(),
+                        counted.Counted(left_out.strokes), left_out.which.english)};
   return {ModelStanding::kDescribes,
           fmt::format("The model describes these {} down to the sensor noise.", counted.many)};
 }

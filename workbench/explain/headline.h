@@ -9,9 +9,10 @@ namespace hydroscope {
 
 /// What the figures of a model (rms over all strokes, output unit) allow to say.
 enum class ModelStanding {
-  kDescribes,  ///< nothing but sensor noise is left
-  kMisses,     ///< more than sensor noise is left
-  kNotJudged,  ///< the figures contradict themselves or carry no judgement
+  kDescribes,      ///< nothing but sensor noise is left
+  kDescribesSome,  ///< ... but for strokes that differ from the rest and are left out
+  kMisses,         ///< more than sensor noise is left
+  kNotJudged,      ///< the figures contradict themselves or carry no judgement
 };
 
 /// What a command found beyond the noise of the sensors.
@@ -36,10 +37,18 @@ struct ModelHeadline {
 /// that is kUnstable times that on the strokes of the fit.
 Told ImpossibleFigures(const GramFit& figures);
 
+/// Strokes that a verdict left out of `strokes`.
+struct LeftOut {
+  std::size_t strokes = 0, odd = 0;
+  Told which;  ///< WhichDiffer
+
+  std::size_t described() const { return strokes - odd; }
+};
+
 /// Every sentence in which a command says how well a model describes its strokes comes from here: `found` is
-/// the command's own, which only possible figures can carry, and no strokes that carry no verdict (`no_verdict` says
-/// why, "" = they do).
+/// the command's own of all strokes but those left out, which only possible figures can carry, and no strokes that carry no
+/// verdict (`no_verdict` says why, "" = they do).
 ModelHeadline HeadlineOf(const GramFit& figures, ErrorFinding found, const Told& no_verdict = {},
-                         const CountedWords& counted = {});
+                         const CountedWords& counted = {}, const LeftOut& left_out = {});
 
 }  // namespace hydroscope

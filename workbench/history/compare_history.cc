@@ -62,17 +62,18 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
     out.per_stroke.push_back(Compare(unit, weights, *history.model, history.window));
-    out.per_stroke.back().noise_floor =
-        std::sqrt(history.noise_scale) * history.NoiseFloor(out.per_stroke.back().noise_floor);
+    out.per_stroke.back().noise_floor = std::sqrt(history.floor_scale.value_or(history.noise_scale)) *
+                                        history.NoiseFloor(out.per_stroke.back().noise_floor);
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
   }
+  if (history.units.size() >= kMinExplainStrokes)
+    if (const auto explained = ExplainHistory(history)) {
+      TakeVerdict(explained->explanation, out);
+      if (history.noise_scale != 1) out.model.figures.noise_floor = explained->base.noise_floor;
+    }
   out.overall = OverallOf(out.model.figures);
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
-  if (history.units.size() >= kMinExplainStrokes) {
-    const auto explained = ExplainHistory(history);
-    if (explained) TakeVerdict(explained->explanation, out);
-  }
   return out;
 }
 

@@ -68,6 +68,13 @@ std::optional<NoiseScales> WorkOut(const std::string& path, const RunInfo& run,
 
 }  // namespace
 
+std::optional<NoiseScales> NoiseOf(const RunSummary& summary) {
+  if (!summary.noise_scale) return {};
+  NoiseScales out{*summary.noise_scale, summary.evidence_scale.value_or(1), summary.floor_scale};
+  if (out.noise == 1) out.floor = 1;
+  return out;
+}
+
 std::optional<NoiseScales> NoiseOfKeptRows(const Database& database, const std::string& path,
                                            const RunInfo& run, std::int64_t machine_id,
                                            const Machine& machine) {

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/quantile.h"
 #include "core/records/reason_told.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
 #include "pipeline/run_summary.h"
+#include "workbench/history/kept_noise.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {
@@ -54,17 +56,20 @@ double PeriodOf(const RunInfo& run, const Machine& machine) {
 /// The fit to the last run that was read to its end; nothing where that excites too little, which each parameter tells.
 Status FitLastRun(const Database& database, std::int64_t machine_id, const Machine& machine,
                   std::shared_ptr<const ModelStructure> model, const std::vector<RunInfo>& runs,
-                  GramFit& figures) {
+                  StatedEstimates& out) {
   const auto run =
       std::find_if(runs.rbegin(), runs.rend(), [](const RunInfo& r) { return r.complete && r.strokes > 0; });
   if (run == runs.rend()) return {};
-  if (InEpisodes(KindOf(machine))) return TakeErrorsOfEpisodes(database, *run, figures);
+  if (InEpisodes(KindOf(machine))) return TakeErrorsOfEpisodes(database, *run, out.figures);
   const double period = PeriodOf(*run, machine);
   if (!(period > 0)) return {};
   const std::int64_t end = run->first_sequence + run->strokes;
-  const auto history = TRY(HistoryOf(database, machine_id, machine, std::move(model), period,
-                                     std::max(run->first_sequence, end - kMostStrokesFitted), end));
-  if (const auto fitted = FitHistoryModel(machine, history)) figures = fitted->figures;
+  auto history = TRY(HistoryOf(database, machine_id, machine, std::move(model), period,
+                               std::max(run->first_sequence, end - kMostStrokesFitted), end));
+  const auto noise = NoiseOf(ParseRunSummary(run->summary_json));
+  history.floor_scale = noise ? noise->floor : std::nullopt;
+  out.floor_known = history.floor_scale.has_value();
+  if (const auto fitted = FitHistoryModel(machine, history)) out.figures = fitted->figures;
   return {};
 }
 
@@ -81,12 +86,29 @@ void StateByLastRun(const GramFit& figures, std::vector<EstimateStatement>& stat
   for (EstimateStatement& statement : statements)
     for (const Estimate& fitted : figures.parameters) {
       if (fitted.parameter != statement.parameter) continue;
-      if (together && std::isfinite(fitted.std)) statement.least_std = fitted.std;
+      if (together && std::isfinite(fitted.std))
+        statement.least_std = std::max(statement.least_std, fitted.std);
       const auto known = std::ranges::find(latest, fitted.parameter, &Estimate::parameter);
       const bool wider = known != latest.end() && statement.least_std > known->std;
       if (fitted.reason == EstimateReason::kConfounded && (fitted.excitation > 0 || wider))
         Confound(ReasonTold(fitted.reason), statement);
     }
+}
+
+/// The estimator follows a size at the shape that the machine file holds. How well the log that gave the shape told it, and with it
+/// the size, stands in the history of the model; no number of further strokes at that shape tells it better.
+void StateByShape(const Machine& machine, const ModelStructure& model,
+                  std::vector<EstimateStatement>& statements) {
+  for (const auto& effect : model.effects) {
+    if (effect->nonlinear.empty() || !Contains(machine.added_effects, effect->id)) continue;
+    const std::string size = effect->id + "." + effect->parameter;
+    for (auto record = machine.model_history.rbegin(); record != machine.model_history.rend(); ++record) {
+      const auto told = std::ranges::find(record->parameters, size, &RecordedValue::name);
+      if (told == record->parameters.end()) continue;
+      statements.push_back({.parameter = size, .least_std = told->std, .why = {}});
+      break;
+    }
+  }
 }
 
 /// `latest` in the order of the model's parameters; one without an estimate cannot be moved out of its interval.
@@ -125,7 +147,8 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
   out.assumed = AssumeTolerances(tolerant);
   const auto assumed = TRY(BuildModel(tolerant));
   out.statements = ToleranceStatements(machine, model);
-  TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out.figures));
+  StateByShape(machine, model, out.statements);
+  TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out));
   std::vector<Estimate> known = latest;
   for (Estimate& e : known) StateEstimate(out.statements, e);
   StateByLastRun(out.figures, out.statements, known);

@@ -14,6 +14,8 @@ namespace hydroscope {
 /// all strokes share is not in its intervals, and it does not ask for effects that the strokes could not show.
 struct StatedEstimates {
   GramFit figures = {};  ///< fit to the last run (of very many strokes, the last ones); all 0: none
+  bool floor_known =
+      true;  ///< whether anybody looked what the noise of the last run is like: else its floor is that of white noise
   std::vector<Confounding> confounded;  ///< over the newest strokes, of whatever run: the estimator remembers
   std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
   /// All of this for each parameter of the model, as it holds for the strokes that follow.

@@ -88,17 +88,12 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     const auto strokes = static_cast<double>(std::min(part.last, run.first_sequence + run.strokes) -
                                              std::max(part.first, run.first_sequence));
     const double share = strokes / static_cast<double>(history.strokes());
-    std::optional<NoiseScales> noise;
-    if (summary.noise_scale) noise = {*summary.noise_scale, summary.evidence_scale.value_or(1)};
+    std::optional<NoiseScales> noise = NoiseOf(summary);
     if (run.source == kLiveSource) {
       if (!live) live = NoiseOfKeptRows(database, history.database, runs.back(), part.id, history.machine);
       noise = *live;
     }
-    history.noise_known = history.noise_known && noise;
-    if (noise) {
-      history.noise_scale += share * (noise->noise - 1);
-      history.evidence_scale += share * (noise->evidence - 1);
-    }
+    history.CountNoise(noise, share);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)
@@ -199,6 +194,26 @@ double StrokeHistory::equations() const {
   double sum = 0;
   for (const StrokeGram& unit : units) sum += static_cast<double>(unit.blocks - unit.spans);
   return sum;
+}
+
+void StrokeHistory::CountNoise(const std::optional<NoiseScales>& noise, double share) {
+  noise_known = noise_known && noise;
+  if (!noise || !noise->floor)
+    floor_scale.reset();
+  else if (floor_scale)
+    *floor_scale += share * (*noise->floor - 1);
+  if (!noise) return;
+  noise_scale += share * (noise->noise - 1);
+  evidence_scale += share * (noise->evidence - 1);
+}
+
+double StrokeHistory::NoiseFloor(std::shared_ptr<const ModelStructure> fitted,
+                                 const std::vector<EffectChoice>& choices, const ExtendedFit& solved) const {
+  if (!floor_scale || (*floor_scale == 1 && noise_scale == 1)) return NoiseFloor(solved.noise_floor);
+  const double white = noise_scale == 1
+                           ? solved.noise_floor
+                           : StrokeSet(std::move(fitted), units, window).Fit(choices).noise_floor;
+  return NoiseFloor(std::sqrt(*floor_scale) * white);
 }
 
 double StrokeHistory::NoiseFloor(double of_sums) const {

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
+#include "diagnosis/extended_fit.h"
 #include "estimation/span_equations.h"
 #include "models/counted_words.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 #include "storage/database.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 
@@ -38,7 +41,10 @@ struct StrokeHistory {
   /// RunSummary::noise_scale and evidence_scale of the strokes on average.
   double noise_scale = 1, evidence_scale = 1;
   bool noise_known = true;  ///< of all of them
-  std::string no_verdict;   ///< RunSummary::too_slow or impossible of a run among them
+  /// Energy of the noise floor (flow form) that `explain` trusts on the logs over that of white noise, on average; nothing: not
+  /// known of all strokes.
+  std::optional<double> floor_scale = 1.0;
+  std::string no_verdict;  ///< RunSummary::too_slow or impossible of a run among them
   /// Of a machine with states, whose sums hold what no parameters of an episode take away for noise: the error that white noise
   /// causes at most, rms, SI of the output. 0: the sums themselves say what is noise.
   double white_noise = 0;
@@ -48,6 +54,11 @@ struct StrokeHistory {
   double equations() const;
   /// What noise alone would cause, of what the sums say (rms, SI of the output).
   double NoiseFloor(double of_sums) const;
+  /// The same of the fit `solved` to them, of the effects `choices`, as `explain` found it on the logs where it looked.
+  double NoiseFloor(std::shared_ptr<const ModelStructure> fitted, const std::vector<EffectChoice>& choices,
+                    const ExtendedFit& solved) const;
+  /// Counts what is known of the noise in `share` of the strokes.
+  void CountNoise(const std::optional<NoiseScales>& noise, double share);
   /// Strokes of the largest unit; 1 = single strokes.
   std::int64_t strokes_per_unit() const;
 };

@@ -51,7 +51,8 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, con
     return BadInput(Tell("{}: {} inside the gate, expected at least {} to judge a model on",
                          "{}: {} im Gate, erwartet: mindestens {}, um ein Modell daran zu beurteilen", source,
                          CountedWordsOf(machine).CountedTold(strokes.stretches.size()), kMinExplainStrokes));
-  const auto model = TRY(FitMachineModel(strokes));
+  auto model = TRY(FitMachineModel(strokes));
+  model.figures.noise_floor = TrustedFloor(strokes, model);
   return Evidence(machine, model, source, static_cast<std::int64_t>(strokes.stretches.size()));
 }
 
@@ -84,7 +85,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
   strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
   MarkCarriedByError(strokes, out.fit, out.figures);
-  out.figures.noise_floor = history.NoiseFloor(out.figures.noise_floor);
+  out.figures.noise_floor = history.NoiseFloor(structure, choices, out.fit);
   return out;
 }
 

@@ -185,6 +185,7 @@ export const de: Words = {
 
   compareTitle: "Gemessen gegen modelliert",
   compareText: "Über alle <Hübe|Episoden> irrt das Modell um {error}; Sensorrauschen allein brächte {noise}.",
+  compareSome: "Über {described} von {count} <Hüben|Episoden> irrt das Modell um {error}; Sensorrauschen allein brächte {noise}.",
   compareStroke: "<Hub|Episode>",
   compareStrokes: "<Hübe, der schlechteste|Episoden, die schlechteste> zuerst",
   compareOf: "{n} von {count}",
@@ -240,6 +241,7 @@ export const de: Words = {
   verdictError: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; {noise}.",
   verdictShort: "Gemeint sind kurze Läufe; der Fehler bei den Fassungen ist der auf längeren Stücken.",
   inspect: "Wonach zu sehen ist",
+  adequateSome: "Das Modell beschreibt {described} von {count} <Hüben|Episoden>; die anderen weichen davon ab.",
   notEverywhere: "Nicht überall: ",
   odd: "Abweichende <Hübe|Episoden>",
   drift: "Während dieses Logs: {text}",

@@ -184,6 +184,7 @@ export const en = {
 
   compareTitle: "Measured against modelled",
   compareText: "On all <strokes|episodes> the model errs by {error}; sensor noise alone would cause {noise}.",
+  compareSome: "On {described} of {count} <strokes|episodes> the model errs by {error}; sensor noise alone would cause {noise}.",
   compareStroke: "<Stroke|Episode>",
   compareStrokes: "<Strokes|Episodes>, the worst first",
   compareOf: "{n} of {count}",
@@ -239,6 +240,7 @@ export const en = {
   verdictError: "Error on <strokes|pieces> left out {before}; {noise}.",
   verdictShort: "Short runs are meant; the error beside the versions is that of longer pieces.",
   inspect: "What to look for",
+  adequateSome: "The model describes {described} of {count} <strokes|episodes>; the others differ from them.",
   notEverywhere: "Not everywhere: ",
   odd: "<Strokes|Episodes> that differ",
   drift: "During this log: {text}",

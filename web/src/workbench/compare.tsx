@@ -1,7 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { Plot, pageColor } from "../plot";
 import type { CompareResult, RegionErrors, Session, StrokePicture } from "../types";
-import { useTold } from "../told";
+import { Told, useTold } from "../told";
 import { amount, nameOf, shareOfVariation, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 import { AsPrinted } from "./parts";
@@ -28,13 +28,15 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
   const parent = session.versions.find((version) => version.current)?.parent ?? 0;
   const picture = usePicture(stroke?.stroke, machine.version, compare), before = usePicture(parent ? stroke?.stroke : undefined, parent, compare);
   if (!compare) return <p class="empty">{say("loading")}</p>;
+  const odd = compare.odd_strokes ?? [];
   const free = query.drawn === "free" && !machine.states;
   const log = session.logs.length > 1 ? compare.per_stroke.find((s) => s.stroke === stroke?.stroke)?.log : undefined;
   const go = (to: number) => setUrl({ stroke: String(worst[Math.min(worst.length - 1, Math.max(0, to))].stroke) });
   return (
     <>
       <h1>{say("compareTitle")}</h1>
-      <p>{say(machine.states ? "compareStates" : "compareText", { error: amount(compare.rms_residual, compare.unit), noise: amount(compare.noise_floor, compare.unit) })}{compare.unit === shareOfVariation && ` ${say("ofVariation")}`}</p>
+      <p>{say(machine.states ? "compareStates" : odd.length > 0 ? "compareSome" : "compareText", { described: compare.strokes_described ?? compare.strokes, count: compare.strokes, error: amount(compare.rms_residual, compare.unit), noise: amount(compare.noise_floor, compare.unit) })}{compare.unit === shareOfVariation && ` ${say("ofVariation")}`}</p>
+      {odd.map((some) => <p key={some.strokes.join()}>{say("notEverywhere")}<Told of={some} what="sentence" /></p>)}
       {compare.held_out && <p data-held-out={compare.held_out.rms}>{say("compareHeldOut", { log: compare.held_out.log.split("/").pop()!, error: amount(compare.held_out.rms, compare.held_out.unit), strokes: compare.held_out.strokes })}</p>}
       {region.length > 0 && <p class="region"><span>{say("onlyThere", { where: regionWords(region, compare.maps) })}{errors && ` ${say("errorThere", { error: amount(errors.rms, errors.unit), noise: amount(errors.noise, errors.unit), windows: errors.windows, strokes: errors.strokes.length })}`}</span> <button class="quiet small" onClick={() => setUrl({ region: "" })}>{say("locateClear")}</button></p>}
       {!stroke ? <p class="empty">{say("noStrokes")}</p> : <>

@@ -16,6 +16,8 @@ import { Swap } from "./swap";
 
 interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; problem?: Failure; choose: (effect: string) => void }
 
+const oddOf = (explain: ExplainResult) => (explain.odd_strokes ?? []).reduce((sum, odd) => sum + odd.strokes.length, 0);
+
 /** An adequate model may be so in part only, and of an unknown error it may be open whether it is one. */
 function headline(explain: ExplainResult): keyof Words {
   if (explain.may_be_noise) return "mayBeNoise";
@@ -25,6 +27,7 @@ function headline(explain: ExplainResult): keyof Words {
   if (explain.verdict === "unknown" && explain.astray) return "astray";
   if (explain.verdict === "unknown" && explain.doubtful) return "doubtful";
   if (explain.only_zeros) return "onlyZeros";
+  if (explain.verdict === "adequate" && oddOf(explain) > 0) return "adequateSome";
   if (explain.verdict === "named" && explain.partial) return "namedInDoubt";
   return explain.verdict;
 }
@@ -39,7 +42,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
-      <p class="headline" data-verdict={explain.verdict}>{say(headline(explain))}</p>
+      <p class="headline" data-verdict={explain.verdict}>{say(headline(explain), { described: explain.strokes - oddOf(explain), count: explain.strokes })}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
