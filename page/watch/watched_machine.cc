@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/constants.h"
 #include "core/json_value.h"
@@ -268,7 +269,11 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
 
 void WatchedMachine::AddTitles(nlohmann::json& effects) const {
   if (model_ == nullptr) return;
-  for (const auto& effect : model_->effects) {
+  std::vector<std::shared_ptr<const Effect>> named = model_->effects;
+  // An alarm may name one that needs a signal which this machine does not measure.
+  if (model_->kind->effects != nullptr)
+    std::ranges::copy(model_->kind->effects(machine_), std::back_inserter(named));
+  for (const auto& effect : named) {
     const bool there = std::any_of(effects.begin(), effects.end(),
                                    [&](const nlohmann::json& known) { return known["id"] == effect->id; });
     if (there || effect->title.empty()) continue;
