@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/limits.h"
 #include "estimation/states/implicit_method.h"
 #include "estimation/states/simulation.h"
