@@ -88,8 +88,7 @@ struct CompareResult {
 Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const std::string& hold_out = {});
 
-/// What `explain` says of the strokes compared becomes the comparison's own word, and its model of those that do not differ the
-/// model compared.
+/// What `explain` says of the strokes becomes the comparison's own word, its model of those that do not differ the one compared.
 void TakeVerdict(const Explanation& explanation, CompareResult& out);
 
 /// MachineModel::figures as a comparison of all strokes.

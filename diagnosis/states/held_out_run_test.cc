@@ -24,8 +24,8 @@ g = { start = 1, min = 0.2, max = 5 }
 k = { start = 0.1, min = 0.01, max = 5 }
 )toml";
 
-/// A store that empties within 200 rows, driven by steps; `disturbed`: amplitude of an inflow that swings over 400 rows, not
-/// measured.
+/// A store that empties within 200 rows, driven by steps; `disturbed`: amplitude of an unmeasured inflow that swings
+/// over 400 rows.
 Episode MeasuredStore(int rows, double noise, double disturbed, std::uint32_t seed) {
   constexpr double kPeriod = 0.1;
   std::mt19937 random(seed);

@@ -53,8 +53,7 @@ std::optional<shooting::Point> Shot(shooting::Task task, const Eigen::VectorXd& 
 }
 
 /// A start fitted with short segments first, by bold steps; where that ends clearly above the `least` cost of those before, infinite
-/// for the first, by cautious ones and as one run alone too: the best. Not valid where the model diverges or ends in a far worse
-/// minimum.
+/// for the first, by cautious ones and as one run alone too: the best. Not valid where the model diverges or ends far above it.
 shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double least,
                           const StateFitOptions& options) {
   shooting::Point best;

@@ -30,8 +30,7 @@ struct StateFitOptions {
   int polished = 2;            ///< minima that are fitted to all rows
   int iterations = 60;         ///< of the last fit
   int start_iterations = 25;
-  /// DescentOptions::first_radius of segments that are fitted once more: where bold first steps end in a wrong minimum, cautious ones
-  /// may not.
+  /// DescentOptions::first_radius of segments that are fitted once more, since bold first steps may end in a wrong minimum.
   double cautious_radius = 1;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit

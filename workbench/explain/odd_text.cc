@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models/counted_words.h"
+#include "models/find_effect.h"
 
 namespace hydroscope {
 namespace {
@@ -36,10 +37,10 @@ Told PlacesOf(const LogStrokes& log, const std::vector<std::size_t>& strokes) {
 Told NamesOf(const ModelStructure& model, const std::vector<std::string>& ids) {
   Told names;
   for (const std::string& id : ids) {
-    const auto effect = std::ranges::find_if(model.effects, [&](const auto& e) { return e->id == id; });
-    const Told name = effect == model.effects.end()
-                          ? Told(id, id)
-                          : Tell("{} ({})", "{} ({})", Told((*effect)->title, (*effect)->german.title), id);
+    const auto at = FindEffect(model, id);
+    const Effect* effect = at ? model.effects[static_cast<std::size_t>(*at)].get() : nullptr;
+    const Told name =
+        effect ? Tell("{} ({})", "{} ({})", Told(effect->title, effect->german.title), id) : Told(id, id);
     names = names.empty() ? name : Tell("{}, {}", "{}, {}", names, name);
   }
   return names;
