@@ -130,8 +130,13 @@ StatesExplanation UnlessRefuted(StatesExplanation named, const StateFit& whole,
   return named;
 }
 
-/// Where short runs leave it unknown, the user is told as well what whole episodes said.
+/// Where short runs leave it unknown, the user is told as well what whole episodes said. Short runs that need no effect clear
+/// nothing in which a law may be missing over whole episodes: each begins anew beside it.
 StatesExplanation WithReasonsOf(const StatesExplanation& whole, StatesExplanation runs) {
+  if (runs.verdict == Verdict::kAdequate && (whole.base_left.structured || whole.base_left.MayHideLaw())) {
+    runs.base_left.doubtful = true;
+    runs.LeaveUnknown({});
+  }
   if (runs.verdict == Verdict::kUnknown) AddOverWhole(whole.warnings, runs.warnings);
   return runs;
 }

@@ -111,7 +111,7 @@ struct StatesExplanation {
   double scale_of_tried = 1;
 
   /// Whether something is missing at all is in doubt: unknown for lack of an all-clear.
-  bool only_doubtful() const { return base_left.doubtful && final.added.empty(); }
+  bool only_doubtful() const { return base_left.MayHideLaw() && final.added.empty(); }
 
   /// Predictable energy that a set leaves, of what was there; `left`: by it.
   double Unexplained(const StateCandidate& by, const StateRemainder& left) const;

@@ -45,6 +45,8 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   out.doubtful =
       !out.structured && ((out.p_value <= options.doubt_p && out.least_share >= options.doubt_share) ||
                           (out.p_value <= options.max_p && out.share >= kOfGroupsAlone));
+  out.powerless = !out.structured && out.null_share >= options.powerless;
+  out.bursts = FindErrorBursts(fit, episodes, options.bursts);
   if (out.structured || out.doubtful) out.about = MostIn(fit, columns, equation);
   return out;
 }

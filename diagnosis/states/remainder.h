@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "diagnosis/states/error_bursts.h"
 #include "estimation/states/fit.h"
 
 namespace hydroscope {
@@ -17,6 +19,9 @@ struct StateRemainderOptions {
   double min_share = 0.03;
   /// Beyond max_p, up to which p-value a share of this may still be a law that the log shows too seldom.
   double doubt_p = 0.2, doubt_share = 0.1;
+  /// Share that chance reaches in one of twenty logs, from which on a log tells too little of what is left for an all-clear.
+  double powerless = 0.3;
+  ErrorBurstsOptions bursts;
   int fourier = 12;  ///< random cosines of all states and inputs together
   std::uint32_t seed = 7;
 };
@@ -33,8 +38,13 @@ struct StateRemainder {
   double p_value = 1;
   bool structured = false;  ///< a law is missing
   bool doubtful = false;    ///< not structured, yet a law may be missing
+  bool powerless = false;   ///< chance predicts as much as laws do
+  std::optional<ErrorBursts> bursts;
   int functions = 0;
   std::string about;  ///< the equation in which they predict most: state or output
+
+  /// Where this is no white noise and nothing explains any of it, it is no all-clear.
+  bool MayHideLaw() const { return doubtful || powerless || bursts; }
 };
 
 /// Adds some 200 functions (hinges, powers and products of states and inputs, random cosines) to each equation of the model,

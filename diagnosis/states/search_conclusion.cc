@@ -39,6 +39,11 @@ class SearchConclusion {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
+    if (out_.base_left.powerless && compare_.Coloured(out_.base)) {
+      out_.warnings.push_back(MayBeMissing(out_.base_left));
+      out_.LeaveUnknown(Nearest());
+      return;
+    }
     if (MayLackLaw()) {
       out_.warnings.push_back(MayBeMissing(out_.final_left));
       out_.LeaveUnknown(Nearest());
@@ -235,7 +240,9 @@ class SearchConclusion {
   /// A law that the log shows too seldom may be in what the final set leaves, if that is more than a complete set may leave.
   bool MayLackLaw() const {
     const bool little = !out_.final.added.empty() && out_.OfExplained(1) <= compare_.LeftShare(out_.final);
-    return out_.final_left.doubtful && compare_.Coloured(out_.final) && !little;
+    const StateRemainder& left = out_.final_left;
+    const bool may = out_.final.added.empty() ? !left.structured && left.MayHideLaw() : left.doubtful;
+    return may && compare_.Coloured(out_.final) && !little;
   }
 
   void TellDrift() {

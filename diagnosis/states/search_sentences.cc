@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/short_number.h"
+
 namespace hydroscope {
 
 Told CannotBeTried(const std::string& effect, const Told& why) {
@@ -20,6 +22,21 @@ Told MoreIsMissing(const StateRemainder& left, double unexplained) {
 }
 
 Told MayBeMissing(const StateRemainder& left) {
+  if (!left.doubtful && left.bursts)
+    return Tell(
+        "what is left is no white noise, and it comes in bursts, most between {} and {} s: noise of one strength does not. A law "
+        "that acts seldom may be missing, or a disturbance is not measured. Look at these times in the measured signals",
+        "was bleibt, ist kein weißes Rauschen und kommt in Stößen, am stärksten zwischen {} und {} s: Rauschen von einer Stärke "
+        "tut das nicht. Es kann ein Gesetz fehlen, das selten wirkt, oder eine Störung wird nicht gemessen. Die gemessenen "
+        "Signale zu diesen Zeiten ansehen",
+        ShortNumber(left.bursts->from, 4), ShortNumber(left.bursts->to, 4));
+  if (!left.doubtful)
+    return Tell(
+        "what is left is no white noise, and this log holds so little that chance predicts {:.0f} % of it: a law may be missing. "
+        "Record for longer, where sensors do not end",
+        "was bleibt, ist kein weißes Rauschen, und diese Aufzeichnung enthält so wenig, dass der Zufall {:.0f} % davon voraussagt: "
+        "es kann ein Gesetz fehlen. Länger aufzeichnen, wo Sensoren nicht enden",
+        100 * left.null_share);
   const double share =
       left.least_share >= StateRemainderOptions().doubt_share ? left.least_share : left.share;
   return Tell(

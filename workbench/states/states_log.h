@@ -57,7 +57,7 @@ struct StatesFit {
     return !left.structured && error.coloured() && fit.ErrorOfVariation() > kHardlyFollows;
   }
   /// What is left is no white noise, and a law may be in it that the log shows too seldom.
-  bool may_lack_law() const { return left.doubtful && error.coloured(); }
+  bool may_lack_law() const { return !left.structured && left.MayHideLaw() && error.coloured(); }
   bool noise_alone() const {
     return !left.structured && !may_lack_law() && !astray() && !slow() && !dynamics && !other_sampling;
   }
