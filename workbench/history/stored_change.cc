@@ -20,7 +20,7 @@ constexpr double kEvident = 1e-4;
 constexpr double kBetterThanALine = 0.5;
 constexpr std::int64_t kOilSample = 2000;  ///< strokes whose oil temperature and conditions are read
 constexpr double kStandsOut = 3;           ///< standard deviations of the values before
-constexpr double kEndScatter = 2;               ///< standard deviations of single values, of those of one end
+constexpr double kEndScatter = 2;          ///< standard deviations of single values, of those of one end
 constexpr double kLeastEnergy = 0.1;       ///< of error and noise over noise, which scatters about 1
 
 double SquaresAboutMean(const double* first, const double* last) {
