@@ -174,9 +174,9 @@ const Effect* OtherCause(const ChangeResult& result, const drift::DriftFinding& 
 Told TestAdvice(const ChangeResult& result, const AlarmCause& cause) {
   constexpr std::size_t kMostTold = 2;  // rivals
   const Told log = Tell(
-      "Record a log and see `hydroscope explain` of it: there effects are tried that stored strokes do not tell.",
-      "Eine Aufzeichnung machen und `hydroscope explain` davon ansehen: dort werden Effekte versucht, die gespeicherte Hübe nicht "
-      "zeigen.");
+      "Record a log and see `hydroscope explain` of it, which tries what stored sums do not tell.",
+      "Eine Aufzeichnung machen und `hydroscope explain` davon ansehen, das versucht, was gespeicherte Summen "
+      "nicht zeigen.");
   if (result.after.explanation.verdict == Verdict::kUnknown)
     return Tell("What causes it is not known: no repair yet. {}",
                 "Was es verursacht, ist nicht bekannt: noch keine Reparatur. {}", log);
