@@ -89,10 +89,13 @@ Status ExplainWhole(const ExplainArguments& a, const Database& database, const H
   auto result = TRY(ExplainHistory(history));
   result.described = HistoryLine(history);
   result.target = choice.target;
-  if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
-    if (const auto change =
-            FindStoredChange(database, part, choice.machine, AlarmsBeside(a.history.db, part.machine)))
+  if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1) {
+    auto change = FindStoredChange(database, part, choice.machine, AlarmsBeside(a.history.db, part.machine));
+    if (!change && result.explanation.verdict == Verdict::kUnknown)
+      change = FindMovingOn(database, part, choice.machine);
+    if (change)
       result.explanation.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)));
+  }
   AddWhole("", history, std::nullopt, std::move(result), out);
   return {};
 }

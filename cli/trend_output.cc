@@ -12,6 +12,7 @@
 #include "core/json_text.h"
 #include "core/json_value.h"
 #include "core/printable.h"
+#include "core/short_number.h"
 #include "core/shown_width.h"
 #include "core/time_text.h"
 #include "core/units.h"
@@ -53,6 +54,7 @@ std::optional<double> PercentOf(const TrendSummary& s) {
 }
 
 std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
+  if (!s.change && s.version_since) return "not comparable";
   if (!s.change) return fmt::format("too few {}", counted.many);
   const auto percent = PercentOf(s);
   const DisplayUnit unit = ShownUnitOf(s);
@@ -63,6 +65,7 @@ std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) 
   const char* judged = s.change->with_oil      ? "significant, with the oil"
                        : s.change->significant ? "significant"
                        : s.change->hint        ? "a hint"
+                       : s.change->cannot_tell ? "cannot tell"
                                                : "within noise";
   return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name, judged);
 }
@@ -141,6 +144,30 @@ std::string Reasons(const std::vector<TrendSummary>& summaries, const CountedWor
   return text.empty() ? text : fmt::format("\nNot updated by the last {}\n", counted.one) + text;
 }
 
+/// Changes that matter and would not be seen.
+std::string CannotTellText(const std::vector<TrendSummary>& summaries) {
+  std::string text;
+  for (const TrendSummary& s : summaries) {
+    if (!s.change || !s.change->cannot_tell) continue;
+    const DisplayUnit unit = ShownUnitOf(s);
+    text += fmt::format("{}: a change below {}{} would not be seen\n", s.parameter,
+                        ShortNumber(s.change->smallest_seen * unit.factor),
+                        unit.name == "-" ? "" : fmt::format(" {}", unit.name));
+  }
+  return text.empty() ? text : "\nCannot be told\n" + text;
+}
+
+/// That estimates of two models say nothing of a change.
+std::string VersionsText(const std::vector<TrendSummary>& summaries, const CountedWords& counted) {
+  const auto since =
+      std::ranges::find_if(summaries, [](const auto& s) { return s.version_since.has_value(); });
+  if (since == summaries.end()) return "";
+  return fmt::format(
+      "\nUp to {} {} estimates are of other versions of the model and cannot be compared with those since; changes are judged on "
+      "blocks of {} refitted with the model in force, where it fits what is stored.\n",
+      counted.one, *since->version_since - 1, counted.many);
+}
+
 /// What the newest estimates rest on.
 std::string StatedText(const MachineTrends& trends) {
   std::string text;
@@ -199,14 +226,16 @@ nlohmann::json PointJson(const TrendPoint& p) {
 }
 
 nlohmann::json SummaryJson(const TrendSummary& s) {
-  nlohmann::json out = {{"parameter", s.parameter},
-                        {"unit", s.unit},
-                        {"value", JsonNumber(s.latest.value)},
-                        {"std", JsonNumber(s.latest.std)},
-                        {"strokes", s.strokes},
-                        {"updated", s.updated},
-                        {"reason", ReasonName(s.latest.reason)},
-                        {"change", nullptr}};
+  nlohmann::json out = {
+      {"parameter", s.parameter},
+      {"unit", s.unit},
+      {"value", JsonNumber(s.latest.value)},
+      {"std", JsonNumber(s.latest.std)},
+      {"strokes", s.strokes},
+      {"updated", s.updated},
+      {"reason", ReasonName(s.latest.reason)},
+      {"version_since", s.version_since ? nlohmann::json(*s.version_since) : nlohmann::json()},
+      {"change", nullptr}};
   if (!s.not_trusted.empty()) {
     if (s.latest.reason == EstimateReason::kUpdated) out["reason"] = ReasonName(EstimateReason::kConfounded);
     out["why"] = s.not_trusted.english;
@@ -218,9 +247,14 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
                 {"advice", s.confounded->advice.english}});
   }
   if (!s.change) return out;
-  out["change"] = {
-      {"value", s.change->value}, {"std", s.change->std},           {"significant", s.change->significant},
-      {"hint", s.change->hint},   {"with_oil", s.change->with_oil}, {"p", s.change->p}};
+  out["change"] = {{"value", s.change->value},
+                   {"std", s.change->std},
+                   {"significant", s.change->significant},
+                   {"hint", s.change->hint},
+                   {"with_oil", s.change->with_oil},
+                   {"p", s.change->p},
+                   {"smallest_seen", s.change->smallest_seen},
+                   {"cannot_tell", s.change->cannot_tell}};
   if (const auto percent = PercentOf(s)) {
     out["change"]["percent"] = *percent;
     out["change"]["percent_std"] = *s.change->PercentStd();
@@ -257,7 +291,8 @@ std::string TrendText(const MachineTrends& trends) {
   text += "\n" + TableRow(widths, {"parameter", "latest, 95 %", "unit", "change, 95 %",
                                    std::string(trends.counted.many)});
   for (const TrendSummary& s : summaries) text += Row(s, widths, trends.counted);
-  return text + Reasons(summaries, trends.counted) + StatedText(trends) + AlarmsText(trends);
+  return text + VersionsText(summaries, trends.counted) + CannotTellText(summaries) +
+         Reasons(summaries, trends.counted) + StatedText(trends) + AlarmsText(trends);
 }
 
 Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,

@@ -68,21 +68,18 @@ TrendPoints PointsOf(const TrendsArguments& a, const Database& database) {
   };
 }
 
-/// What the report judges changes by.
-struct JudgedBy {
-  std::vector<BlockEstimates> blocks;
-  std::vector<StrokeSummary> strokes;
-};
-
-/// Nothing (strokes of several models, say): the estimates alone are judged.
-JudgedBy BlocksOf(const TrendsArguments& a, Database& database, const HistoryPart& part) {
-  if (part.strokes() <= 0) return {};
-  const auto machine = StoredMachine(database, a.db, part);
+/// What the report judges changes by; without blocks (strokes whose columns differ, say) the estimates alone are judged.
+RecordedHistory HistoryBehind(const TrendsArguments& a, Database& database, const HistoryPart& part,
+                              const std::vector<RunInfo>& runs) {
+  RecordedHistory by;
+  if (part.strokes() <= 0) return by;
+  by.runs = runs;
+  auto machine = StoredMachine(database, a.db, part);
   auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);
-  if (!machine || !strokes) return {};
-  JudgedBy by;
+  if (!machine || !strokes) return by;
   if (auto blocks = EstimateBlocks(database, part.id, *machine, *strokes); blocks)
     by.blocks = std::move(*blocks);
+  by.machine = std::move(*machine);
   by.strokes = std::move(*strokes);
   return by;
 }
@@ -132,8 +129,7 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   }
   for (AlarmState& alarm : AlarmsBeside(a.db, machine))
     if (TellsAChange(alarm)) trends.alarms.push_back(std::move(alarm));
-  const JudgedBy by = BlocksOf(a, database, part);
-  trends.summaries = std::move(summariser).Finish(by.blocks, by.strokes);
+  trends.summaries = std::move(summariser).Finish(HistoryBehind(a, database, part, trends.runs));
   for (TrendSummary& summary : trends.summaries) summary.kind = kind;
   if (stored) StateSummaries(database, *stored, trends);
   if (any || a.parameter.empty() || trends.end == 0) return trends;

@@ -146,4 +146,9 @@ Told Doubts::Of(const Explanation& found, bool at_floor) const {
   return {};
 }
 
+Told WhyNotProven(const Explanation& x) {
+  if (x.set.empty() || (!x.partial && x.doubt.empty())) return {};
+  return x.doubt.empty() ? Tell("more than noise is left", "es bleibt mehr als Rauschen") : x.doubt;
+}
+
 }  // namespace hydroscope

@@ -44,4 +44,7 @@ class Doubts {
   const EffectRanking& ranking_;
 };
 
+/// Why what an explanation names or leaves to choose from is not proven; "" if it is, or if it names nothing.
+Told WhyNotProven(const Explanation& explanation);
+
 }  // namespace hydroscope

@@ -46,7 +46,8 @@ std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_i
   const std::vector<std::string> in = Found(without);
   if (Contains(in, id)) return std::nullopt;
   const double before = as_it_is.base.rms_holdout, after = without.final.rms_holdout;
-  const EffectSwap swap{id, in, before, after};
+  const bool explains = without.verdict != Verdict::kUnknown;
+  const EffectSwap swap{id, in, before, after, explains, explains && !without.partial};
   const bool as_well = after <= (1 + kSameError) * as_it_is.final.rms_holdout &&
                        without.final.excess_ratio <= as_it_is.final.excess_ratio + kSameError;
   if (in.empty()) return as_well && !as_it_is.base.effects.empty() ? std::optional(swap) : std::nullopt;
@@ -54,6 +55,17 @@ std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_i
   if (!lower) return std::nullopt;
   const bool simpler = as_well && without.chosen.size() < as_it_is.chosen.size();
   return simpler || after < as_it_is.final.rms_holdout ? std::optional(swap) : std::nullopt;
+}
+
+std::optional<EffectSwap> BestSwap(const ExplainOptions& options, const Explanation& as_it_is,
+                                   const std::function<Explanation(const std::string&)>& without) {
+  std::optional<EffectSwap> best;
+  if (!options.try_swaps || !MayHoldWrongEffect(as_it_is)) return best;
+  for (const std::string& id : options.start) {
+    auto swap = SwapFor(id, as_it_is, without(id));
+    if (swap && (!best || swap->rms_after < best->rms_after)) best = std::move(swap);
+  }
+  return best;
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,5 +18,10 @@ bool MayHoldWrongEffect(const Explanation& as_it_is);
 /// wanted back.
 std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_it_is,
                                   const Explanation& without);
+
+/// The best swap of an effect of ExplainOptions::start; `without` explains the strokes of `as_it_is` by the model that has the
+/// others only.
+std::optional<EffectSwap> BestSwap(const ExplainOptions& options, const Explanation& as_it_is,
+                                   const std::function<Explanation(const std::string&)>& without);
 
 }  // namespace hydroscope

@@ -188,6 +188,8 @@ struct EffectSwap {
   std::vector<std::string> in;  ///< effects to add in its place; [] = none is needed
   double rms_before = 0;        ///< error on strokes left out as it is, output unit
   double rms_after = 0;         ///< ... and with the swap
+  bool explains = false;        ///< what comes in brings the error to the floor ...
+  bool proven = false;          ///< ... and nothing speaks against it
 };
 
 /// A law of general shape that no effect of the machine file has, and that explains the error as far as one does.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <optional>
 
 #include "core/constants.h"
@@ -334,10 +336,16 @@ std::shared_ptr<const ModelStructure> WithFewerGeneralLaws(std::shared_ptr<const
   return fewer;
 }
 
-/// The explanation of the model as it is, whatever was added to it.
-Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
-                          std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                          const ExplainOptions& options) {
+/// What a model is tried on.
+struct Samples {
+  std::shared_ptr<const ModelStructure> model;
+  std::span<const StrokeStretches> strokes;
+  const WindowSamples& window;
+};
+
+/// The explanation of all strokes as one.
+Explanation ExplainAsOne(const Samples& samples, const ExplainOptions& options) {
+  const auto& [model, strokes, window] = samples;
   Explanation out = options.floor_believable ? ExplainWithFloor(model, strokes, window, options)
                                              : ExplainWithoutFloor(model, strokes, window, options);
   if (out.base.solved) {
@@ -346,6 +354,12 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
     WidenByNonlinear(out.model, strokes, window, chosen, out.final);
     RefuseWhatMayBeZero(options, out);
   }
+  return out;
+}
+
+/// What explains some strokes apart from the others, in place of `out`, which ExplainAsOne made: that itself where nothing does better.
+Explanation Parted(const Samples& samples, const ExplainOptions& options, Explanation out) {
+  const auto& [model, strokes, window] = samples;
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
   // An effect, or a law without a name, brings it down to the noise: no other strokes or floor would settle the doubt.
   if (out.nameless || (out.small_error && out.final.effects.size() > out.base.effects.size())) return out;
@@ -434,6 +448,34 @@ void DoubtDrift(std::span<const StrokeStretches> strokes, const WindowSamples& w
     }
 }
 
+/// The explanation of the model as it is, with the swap that does better. One that explains all strokes comes before strokes that
+/// are parted, unless these leave no doubt and it does: a wrong effect suits some strokes better than others, which makes none odd.
+Explanation ExplainOrSwap(const Samples& samples, const ExplainOptions& options,
+                          const std::function<void(Explanation&)>& doubt) {
+  const Explanation whole = ExplainAsOne(samples, options);
+  std::map<std::string, Explanation> others;
+  const auto without = [&](const std::string& id) {
+    ExplainOptions rest = options;
+    std::erase(rest.start, id);
+    return rest;
+  };
+  const auto as_one = [&](const std::string& id) {
+    const auto at = others.find(id);
+    return at != others.end() ? at->second : (others[id] = ExplainAsOne(samples, without(id)));
+  };
+  Explanation swapped = whole;
+  doubt(swapped);
+  swapped.swap = BestSwap(options, swapped, as_one);
+  if (swapped.swap && swapped.swap->proven) return swapped;
+  Explanation out = Parted(samples, options, whole);
+  doubt(out);
+  if (swapped.swap && swapped.swap->explains && (out.verdict == Verdict::kUnknown || out.partial))
+    return swapped;
+  const auto parted = [&](const std::string& id) { return Parted(samples, without(id), as_one(id)); };
+  out.swap = BestSwap(options, out, parted);
+  return out;
+}
+
 }  // namespace
 
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
@@ -443,20 +485,12 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
   ExplainOptions options = asked;
   AddUntestable(*model, strokes, options.untestable);
   model = WithFewerGeneralLaws(std::move(model), strokes, window, options);
-  Explanation out = ExplainAsItIs(model, strokes, window, options);
-  AllowForNoise(options, out);
-  if (!IsOwnMachine(*model)) {
-    DoubtDrift(strokes, window, out);
-    DoubtTime(strokes, options, out);
-  }
-  if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
-  for (const std::string& id : options.start) {
-    ExplainOptions without = options;
-    std::erase(without.start, id);
-    const auto swap = SwapFor(id, out, ExplainAsItIs(model, strokes, window, without));
-    if (swap && (!out.swap || swap->rms_after < out.swap->rms_after)) out.swap = swap;
-  }
-  return out;
+  return ExplainOrSwap({model, strokes, window}, options, [&](Explanation& x) {
+    AllowForNoise(options, x);
+    if (IsOwnMachine(*model)) return;
+    DoubtDrift(strokes, window, x);
+    DoubtTime(strokes, options, x);
+  });
 }
 
 }  // namespace hydroscope

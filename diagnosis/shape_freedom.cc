@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/contains.h"
 #include "diagnosis/effect_ranking.h"
@@ -75,6 +76,88 @@ std::vector<std::string> EffectsOfShapes(const StrokeSet& strokes, const Explana
   std::vector<std::string> ids;
   for (const Resting& r : resting) ids.push_back(r.id);
   return ids;
+}
+
+namespace {
+
+/// The nearest other stored shape of effect `k` of a model in its nonlinear parameter `index`.
+struct NextShape {
+  std::size_t k, index;
+  int shape;
+  double distance;  ///< SI of the parameter
+};
+
+std::optional<NextShape> FindNextShape(const ModelStructure& model, std::span<const EffectChoice> choices,
+                                       std::size_t k, std::size_t index) {
+  const auto& shapes = model.effect_shapes[choices[k].effect];
+  const auto grid = static_cast<int>(model.effects[choices[k].effect]->grid.size());
+  const std::vector<double>& own = shapes[choices[k].shape].nonlinear;
+  std::optional<NextShape> next;
+  for (int s = 0; s < std::min(grid, static_cast<int>(shapes.size())); ++s) {
+    if (shapes[s].nonlinear.size() != own.size()) continue;
+    std::vector<double> moved = own;
+    moved[index] = shapes[s].nonlinear[index];
+    const double distance = moved[index] - own[index];
+    if (moved != shapes[s].nonlinear || distance == 0) continue;
+    if (!next || std::abs(distance) < std::abs(next->distance)) next = NextShape{k, index, s, distance};
+  }
+  return next;
+}
+
+/// Variances of theta in a fit that has the shapes `beside` as well, sizes added up; nothing where the strokes do not determine it.
+std::optional<Eigen::VectorXd> WithFreeShapes(const StrokeSet& strokes, std::span<const EffectChoice> choices,
+                                              std::span<const NextShape> beside, Eigen::Index own) {
+  std::vector<EffectChoice> wider(choices.begin(), choices.end());
+  for (const NextShape& next : beside) wider.push_back({choices[next.k].effect, next.shape});
+  const ExtendedFit free = strokes.Fit(wider);
+  if (!free.solved || free.theta.size() != own + static_cast<Eigen::Index>(beside.size()))
+    return std::nullopt;
+  const Eigen::Index base = own - static_cast<Eigen::Index>(choices.size());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(own, free.theta.size());
+  sum.leftCols(own).setIdentity();
+  for (std::size_t j = 0; j < beside.size(); ++j)
+    sum(base + static_cast<Eigen::Index>(beside[j].k), own + static_cast<Eigen::Index>(j)) = 1;
+  return (sum * free.covariance * sum.transpose()).diagonal();
+}
+
+/// What is known beforehand of a shape, `std`, moves theta by: variances, or less where the strokes know the shape better.
+Eigen::VectorXd ByKnownShape(const StrokeSet& strokes, std::span<const EffectChoice> choices,
+                             const NextShape& next, double std, const ExtendedFit& fit) {
+  std::vector<EffectChoice> there(choices.begin(), choices.end());
+  there[next.k].shape = next.shape;
+  const ExtendedFit moved = strokes.Fit(there);
+  if (!moved.solved) return Eigen::VectorXd::Zero(fit.theta.size());
+  const Eigen::VectorXd by = (std / next.distance * (moved.theta - fit.theta)).array().square();
+  const auto free = WithFreeShapes(strokes, choices, {&next, 1}, fit.theta.size());
+  return free ? by.cwiseMin((*free - fit.covariance.diagonal()).cwiseMax(0.0)) : by;
+}
+
+}  // namespace
+
+void WidenByStoredShapes(const StrokeSet& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit) {
+  if (!fit.solved) return;
+  const Eigen::VectorXd widening = fit.widening;
+  if (widening.size() > 0) ScaleScatter(widening.cwiseInverse(), fit);
+  const Eigen::VectorXd given = fit.covariance.diagonal().cwiseMax(1e-300);
+  Eigen::VectorXd variance = given;
+  std::vector<NextShape> unknown;
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    const Effect& effect = *strokes.model().effects[choices[k].effect];
+    for (std::size_t i = 0; i < effect.nonlinear.size() && !effect.implied; ++i) {
+      const auto next = FindNextShape(strokes.model(), choices, k, i);
+      if (!next) continue;
+      const double known = effect.nonlinear[i].std;
+      if (known > 0)
+        variance += ByKnownShape(strokes, choices, *next, known, fit);
+      else
+        unknown.push_back(*next);
+    }
+  }
+  if (!unknown.empty())
+    if (const auto free = WithFreeShapes(strokes, choices, unknown, fit.theta.size()))
+      variance += (*free - given).cwiseMax(0.0);
+  ScaleScatter((variance.array() / given.array()).sqrt().matrix(), fit);
+  if (widening.size() > 0) ScaleScatter(widening, fit);
 }
 
 }  // namespace hydroscope

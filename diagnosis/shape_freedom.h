@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,10 @@ namespace hydroscope {
 /// less evidence.
 std::vector<std::string> EffectsOfShapes(const StrokeSet& strokes, const Explanation& explanation,
                                          const ExplainOptions& options);
+
+/// WidenByNonlinear from stored sums alone: in a fit that also has the nearest other stored shape of an effect the sum of the two
+/// sizes is the size, and the shape is free. Makes no interval narrower; leaves `fit` (of base + `choices`) as it is where the
+/// strokes do not determine the wider one, and beside laws that tie their shape to their size (Effect::implied).
+void WidenByStoredShapes(const StrokeSet& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit);
 
 }  // namespace hydroscope

@@ -107,6 +107,7 @@ double KnownScale(const SignalNoise& noise) {
     case NoiseKind::kHeld:
       return std::isfinite(noise.slow_ratio) ? std::max(noise.ratio, noise.slow_ratio) : noise.ratio;
     case NoiseKind::kQuantised:
+    case NoiseKind::kRepeats:
       return std::isfinite(noise.stated) ? noise.stated * noise.stated / contrast : kUnstated;
   }
   return kUnstated;

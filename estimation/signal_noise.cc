@@ -144,7 +144,18 @@ double RangeOf(std::span<const SignalRuns> strokes) {
 void DescribeSteps(const ReadingSteps& steps, double period, const SignalNoiseOptions& options,
                    SignalNoise& noise) {
   const int percent = static_cast<int>(std::lround(100 * noise.repeated));
-  if (steps.OffGrid() <= options.off_grid_share || steps.Unique() <= options.unique_share) {
+  const bool on_grid = steps.OffGrid() <= options.off_grid_share || steps.Unique() <= options.unique_share;
+  if (on_grid && noise.quiet_std > options.hidden_noise * noise.quantum) {
+    noise.kind = NoiseKind::kRepeats;
+    noise.sentence = Tell(
+        "{} % of the readings of {} repeat the one before, and the others move by many times its resolution: it does not follow "
+        "every motion, as with play, friction or a deadband, and its noise cannot be seen",
+        "{} % der Werte von {} wiederholen den davor, und die anderen bewegen sich um ein Vielfaches seiner Auflösung: es folgt nicht "
+        "jeder Bewegung, wie bei Spiel, Reibung oder einem Totband, und sein Rauschen ist nicht zu sehen",
+        percent, noise.name);
+    return;
+  }
+  if (on_grid) {
     noise.kind = NoiseKind::kQuantised;
     noise.sentence = Tell(
         "{} is read in steps of {}, which hide its noise: {} % of the readings repeat the one before",
@@ -269,6 +280,8 @@ const char* NoiseKindName(NoiseKind kind) {
       return "interpolated";
     case NoiseKind::kHeld:
       return "held";
+    case NoiseKind::kRepeats:
+      return "repeating";
   }
   return "not known";
 }

@@ -20,9 +20,10 @@ enum class NoiseKind {
   kDisagreesWithStated,  ///< white, and clearly less than the machine file says
   kInterpolated,         ///< stored at some rows only, the others drawn straight between them
   kHeld,                 ///< stored at some rows only, the others repeat them
+  kRepeats,              ///< it stands still in many rows and moves by many times its resolution: play, say
 };
 
-/// "white", "coloured", "quantised", "signal", "not as stated", "interpolated", "held", "not known".
+/// "white", "coloured", "quantised", "signal", "not as stated", "interpolated", "held", "repeating", "not known".
 const char* NoiseKindName(NoiseKind kind);
 
 /// Noise of one signal, by contrasts over single rows, pairs and fours of rows (RowContrasts).
@@ -65,6 +66,9 @@ struct SignalNoiseOptions {
   /// Share of repeated readings beyond which the resolution hides the noise: with normal noise of std s
   /// and a resolution q it is 0.28 q / s, here q = 1.4 s.
   double repeated_share = 0.4;
+  /// Noise of so many steps of the resolution where the signal moves least is not hidden by it: rounding leaves a third of a step,
+  /// and noise that it hides two thirds.
+  double hidden_noise = 2.0;
   /// Steps of a resolution are multiples of it, and its readings come again. Where these shares of the steps and of the readings
   /// do not, readings were held: by a slower task, or until they left a deadband, which the smallest step then is at least this
   /// share of a usual one.

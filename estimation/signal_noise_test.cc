@@ -100,6 +100,23 @@ TEST(SignalNoise, TellsReadingsHeldByADeadbandFromCoarseOnes) {
   EXPECT_EQ(Judged(coarse).kind, NoiseKind::kQuantised);
 }
 
+/// What stands still in many rows moves by no steps of a resolution, though a log has few decimals.
+TEST(SignalNoise, TakesPlayForNoSteps) {
+  auto strokes = Strokes(3, 0, 30);
+  for (SignalRuns& stroke : strokes) {
+    double held = stroke[0].front();
+    for (double& x : stroke[0]) {
+      held = std::clamp(held, x - 2, x + 2);
+      x = 1e-3 * std::round(1e3 * held);
+    }
+  }
+  const SignalNoise play = Judged(strokes);
+  ASSERT_GT(play.repeated, 0.4);
+  EXPECT_EQ(play.kind, NoiseKind::kRepeats);
+  EXPECT_THAT(play.sentence.english, testing::Not(HasSubstr("in steps of")));
+  EXPECT_THAT(play.sentence.english, HasSubstr("as with play"));
+}
+
 /// What leaves the deadband is stored, to `resolution`; between stored readings the line is straight.
 std::vector<SignalRuns> StoredByDeadband(std::vector<SignalRuns> strokes, double deadband,
                                          double resolution) {

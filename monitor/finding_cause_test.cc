@@ -48,6 +48,10 @@ TEST_F(PressMonitorTest, ACauseIsToldAsFarAsComparingStrokesCarriesIt) {
   EXPECT_EQ(alarm.cause.kind, CauseKind::kNotProven) << alarm.text;
   EXPECT_EQ(alarm.words.finding.english, "Internal leakage");
   EXPECT_THAT(alarm.text, HasSubstr("Cause: " + CauseText(alarm.cause)));
+  EXPECT_THAT(alarm.words.action.english,
+              testing::StartsWith("The cause is not proven: no repair yet. To tell internal_leakage from "));
+  EXPECT_THAT(alarm.words.action.english, HasSubstr("supply"));
+  EXPECT_THAT(alarm.words.action.english, testing::Not(HasSubstr("seal")));
   const auto again = Open();  // from the journal
   ASSERT_OK(again->CatchUp(1001));
   EXPECT_EQ(AlarmOf(again->axis(0), "internal_leakage").cause, alarm.cause);

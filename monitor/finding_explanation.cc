@@ -8,11 +8,13 @@
 #include "core/contains.h"
 #include "core/interval_text.h"
 #include "core/unit_told.h"
+#include "diagnosis/doubts.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "workbench/explain/explain_change.h"
+#include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
 namespace {
@@ -50,12 +52,6 @@ Told ErrorText(const ChangeResult& result) {
   return Tell("; error on strokes left out {:.3g} -> {:.3g} {}",
               "; Fehler auf ausgelassenen Hüben {:.3g} -> {:.3g} {}", after.base.rms_holdout * unit.factor,
               after.final.rms_holdout * unit.factor, UnitTold(unit.name));
-}
-
-/// Why what the comparison names or leaves to choose from is not proven; "" if it is, or if it names nothing.
-Told NotProven(const Explanation& x) {
-  if (x.set.empty() || (!x.partial && x.doubt.empty())) return {};
-  return x.doubt.empty() ? Tell("more than noise is left", "es bleibt mehr als Rauschen") : x.doubt;
 }
 
 Told MovedTold(const std::vector<Told>& moved) {
@@ -97,7 +93,7 @@ Told Sentence(const ChangeResult& result, const drift::DriftFinding& finding) {
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
   const Told also = moved.empty() ? Told{} : Tell("; {}", "; {}", MovedTold(moved));
-  const Told why = NotProven(result.after.explanation);
+  const Told why = WhyNotProven(result.after.explanation);
   const Told doubt = why.empty() ? Told{} : Tell("; not proven: {}", "; nicht bewiesen: {}", why);
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
@@ -156,7 +152,7 @@ AlarmCause CauseOf(const ChangeResult& result) {
       break;
   }
   if (cause.effects.empty()) return {CauseKind::kNotKnown, {}};
-  if (!NotProven(after).empty()) {
+  if (!WhyNotProven(after).empty()) {
     cause.kind = CauseKind::kNotProven;
     for (const std::string& id : after.untried)
       if (!Contains(cause.effects, id)) cause.effects.push_back(id);
@@ -167,10 +163,31 @@ AlarmCause CauseOf(const ChangeResult& result) {
 /// The effect that is proven to have appeared, where it is one that the finding's own rule is not about; nullptr if there is none.
 const Effect* OtherCause(const ChangeResult& result, const drift::DriftFinding& finding) {
   const Explanation& after = result.after.explanation;
-  if (after.verdict != Verdict::kNamed || !NotProven(after).empty() || result.appeared.size() != 1 ||
+  if (after.verdict != Verdict::kNamed || !WhyNotProven(after).empty() || result.appeared.size() != 1 ||
       result.appeared.front() == finding.rule)
     return nullptr;
   return result.after.FindEffect(result.appeared.front());
+}
+
+/// Tests in place of a repair, where the comparison does not prove what the finding's rule advises to repair; "" where it does, or
+/// where it sees no cause and says what moved.
+Told TestAdvice(const ChangeResult& result, const AlarmCause& cause) {
+  constexpr std::size_t kMostTold = 2;  // rivals
+  const Told log = Tell(
+      "Record a log and see `hydroscope explain` of it, which tries what stored sums do not tell.",
+      "Eine Aufzeichnung machen und `hydroscope explain` davon ansehen, das versucht, was gespeicherte Summen "
+      "nicht zeigen.");
+  if (result.after.explanation.verdict == Verdict::kUnknown)
+    return Tell("What causes it is not known: no repair yet. {}",
+                "Was es verursacht, ist nicht bekannt: noch keine Reparatur. {}", log);
+  if (cause.kind != CauseKind::kNotProven) return {};
+  Told tests;
+  for (std::size_t k = 1; k < std::min(cause.effects.size(), 1 + kMostTold); ++k)
+    tests =
+        Tell("{}To tell {} from {}: {}. ", "{}Um {} von {} zu trennen: {}. ", tests, cause.effects.front(),
+             cause.effects[k], WhatTellsApart(result.after, cause.effects.front(), cause.effects[k]));
+  return Tell("The cause is not proven: no repair yet. {}{}",
+              "Die Ursache ist nicht bewiesen: noch keine Reparatur. {}{}", tests, log);
 }
 
 /// What a finding is called, and what to do, in place of its rule's words; empty: these stand.
@@ -251,12 +268,14 @@ drift::FindingExplanation ExplainFinding(const Database& database, const std::st
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
   OtherWords other = WordsBeside(*result, finding);
+  const AlarmCause cause = CauseOf(*result);
+  if (Told test = TestAdvice(*result, cause); !test.empty()) other.advice = std::move(test);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
                strokes, Sentence(*result, finding)),
-          (verdict == Verdict::kNamed && NotProven(result->after.explanation).empty()) ||
+          (verdict == Verdict::kNamed && WhyNotProven(result->after.explanation).empty()) ||
               verdict == Verdict::kAdequate,
           verdict != Verdict::kUnknown,
-          CauseOf(*result),
+          cause,
           std::move(other.title),
           std::move(other.advice)};
 }

@@ -9,11 +9,27 @@
 #include "core/json_value.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "pipeline/log_faults/aliased_motion.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsAtATime = 4096;
+
+constexpr double kRowsOfASwing = 10;  ///< that leave a balance an error of some per cent
+
+void DescribeAliasing(const AliasedMotion& motion, SamplingRate& rate) {
+  rate.fast_enough = false;
+  rate.needed_rate_hz = kRowsOfASwing * motion.frequency_hz;
+  rate.needed_period = 1 / rate.needed_rate_hz;
+  rate.why = Tell("sampled too slowly", "zu langsam abgetastet");
+  rate.sentence = Tell(
+      "sampled too slowly for this: {} and {} swing at {:.3g} Hz by their sizes, and from row to row, {:.3g} ms apart, they do not "
+      "belong together; record {:.3g} rows a second or more",
+      "zu langsam abgetastet dafür: {} und {} schwingen ihrer Größe nach mit {:.3g} Hz, und von Zeile zu Zeile, alle {:.3g} ms, "
+      "passen sie nicht zusammen; {:.3g} Zeilen je Sekunde oder mehr aufzeichnen",
+      motion.rate, motion.level, motion.frequency_hz, 1e3 * rate.period, rate.needed_rate_hz);
+}
 
 /// Strokes that tell what noise and rows of a log are like.
 constexpr int kStrokesJudged = 40;
@@ -66,6 +82,9 @@ LogTrust JudgeLog(const LogStrokes& log, const Eigen::VectorXd& theta, double no
   if (std::ranges::all_of(log.stretches, [](const auto& s) { return s.empty(); })) return trust;
   trust.floor = JudgeFloor(*log.model, log.stretches, log.window, theta, log.machine);
   trust.rate = JudgeSamplingRate(*log.model, log.stretches, log.window, theta, trust.floor, noise_floor);
+  if (trust.rate.fast_enough)
+    if (const auto motion = FindAliasedMotion(log.machine, *log.model, log.stretches, log.window.period))
+      DescribeAliasing(*motion, trust.rate);
   return trust;
 }
 

@@ -9,6 +9,7 @@
 #include "core/contains.h"
 #include "core/interval_text.h"
 #include "core/relative_change.h"
+#include "diagnosis/doubts.h"
 #include "models/machine.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
@@ -21,6 +22,7 @@
 #include "report/unranked_effects.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/explain_overlays.h"
+#include "workbench/explain/headline.h"
 #include "workbench/explain/odd_text.h"
 #include "workbench/explain/what_to_record.h"
 
@@ -148,6 +150,9 @@ std::string DescribedInPage(const ExplainResult& result, const std::string& id) 
 
 std::string Headline(const ExplainResult& result) {
   const Explanation& x = result.explanation;
+  if (SwapLeads(x))
+    return fmt::format("△ {}: {}", x.swap->proven ? "A wrong effect" : "Not proven: a wrong effect",
+                       EscapeText(SwapTold(*x.swap).english));
   switch (x.verdict) {
     case Verdict::kAdequate:
       if (!x.odd_strokes.empty()) {
@@ -166,10 +171,14 @@ std::string Headline(const ExplainResult& result) {
                                           : ", ") +
                  EscapeText(effect != nullptr ? effect->title : x.set[k]);
       }
-      return "◆ The machine shows what the model lacks: " + names;
+      return (WhyNotProven(x).empty() ? "◆ The machine shows what the model lacks: "
+                                      : "△ Not proven: the model lacks this, or a relative of it: ") +
+             names;
     }
     case Verdict::kAmbiguous:
-      return "△ The model lacks something; these strokes cannot tell which of several effects";
+      return WhyNotProven(x).empty()
+                 ? "△ The model lacks something; these strokes cannot tell which of several effects"
+                 : "△ Not proven: the model lacks something; these strokes cannot tell which of several effects";
     case Verdict::kUnknown:
       if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
       if (x.may_be_noise) return fmt::format("? Something is left: {}", kNothingPredicts);
@@ -202,9 +211,9 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
     out.insert(out.begin(), fmt::format("Why: {}.", EscapeText(x.no_verdict.english)));
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
-      out.push_back(
-          (x.partial ? "Check on the machine, this or a relative of it – " : "Check on the machine – ") +
-          DescribedInPage(result, id));
+      out.push_back((!WhyNotProven(x).empty() ? "Check on the machine, this or a relative of it – "
+                                              : "Check on the machine – ") +
+                    DescribedInPage(result, id));
   for (const OddStrokes& odd : x.odd_strokes)
     out.push_back("Not everywhere – " + EscapeText(OddText(result, odd).english) + ".");
   if (!x.doubt.empty())

@@ -63,15 +63,27 @@ std::string WithUnit(const std::string& number, const ParameterInfo& info) {
   return info.unit.empty() ? number : number + " " + EscapeText(info.unit);
 }
 
+/// "a change below 24 l would not be seen".
+std::string NotSeenText(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  return fmt::format("a change below {} would not be seen",
+                     WithUnit(FormatShort(analysis.smallest_seen * std::abs(info.factor)), info));
+}
+
 std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& info,
                        const CountedWords& counted) {
   const ThirdsComparison& change = analysis.change;
+  if (!change.change.Known() && analysis.version_since)
+    return fmt::format(
+        "not comparable: estimates before {} {} are of other versions of the model, and blocks of {} cannot be refitted with this one",
+        counted.one, FormatCount(*analysis.version_since), counted.many);
   if (!change.change.Known())
     return fmt::format("too few {} to compare the ends of the record", counted.many);
   const Scale scale = ScaleOf(info, change.first, change.first_std, change.change.value);
   const std::string numbers = Signed(change.change, scale);
   switch (SignificanceOf(change.change)) {
     case Significance::kNone:
+      if (analysis.cannot_tell)
+        return fmt::format("{}: cannot be told; {}", numbers, NotSeenText(analysis, info));
       return fmt::format("{}: none that stands out ({})", numbers, PText(change.change));
     case Significance::kHint:
       return analysis.by_estimates
@@ -176,7 +188,7 @@ Standing StandingOf(const ParameterAnalysis& analysis) {
   if (analysis.unexplained == Significance::kHint) return Standing::kHint;
   if (analysis.oil.outcome == OilOutcome::kFollows) return Standing::kOil;
   if (analysis.oil.outcome == OilOutcome::kHint) return Standing::kHint;
-  return analysis.change.change.Known() ? Standing::kSteady : Standing::kUnknown;
+  return analysis.change.change.Known() && !analysis.cannot_tell ? Standing::kSteady : Standing::kUnknown;
 }
 
 std::string PillOf(Standing standing, const ParameterAnalysis& analysis, const CountedWords& counted) {
@@ -186,7 +198,9 @@ std::string PillOf(Standing standing, const ParameterAnalysis& analysis, const C
     case Standing::kOil:
       return "moves with the oil";
     case Standing::kUnknown:
-      return analysis.updated == 0 ? "not identifiable" : fmt::format("too few {}", counted.many);
+      return analysis.updated == 0  ? "not identifiable"
+             : analysis.cannot_tell ? "cannot be told"
+                                    : fmt::format("too few {}", counted.many);
     case Standing::kHint:
       return "a hint";
     case Standing::kChanged:
@@ -267,6 +281,8 @@ std::string Reading(Standing standing, const ParameterAnalysis& analysis, const 
     text += "There is a hint that it moves with the oil temperature, too weak to rely on.";
   else if (!analysis.change.change.Known())
     text += fmt::format("There are too few {} to say whether it changes.", counted.many);
+  else if (analysis.cannot_tell)
+    text += fmt::format("Whether it changes cannot be told: {}.", NotSeenText(analysis, info));
   else
     text += "No change stands out in this record.";
   if (analysis.why_not)
@@ -327,8 +343,12 @@ std::string UnknownHeadline(const TrendAnalysis& analysis, const CountedWords& c
   const bool identified =
       std::ranges::any_of(analysis.parameters, [](const auto& p) { return p.updated > 0; });
   if (!identified) return "No verdict: nothing was identified";
-  return AnyChangeKnown(analysis) ? "No change stands out, but not every parameter could be identified"
-                                  : fmt::format("No verdict yet: too few {}", counted.many);
+  if (!AnyChangeKnown(analysis)) return fmt::format("No verdict yet: too few {}", counted.many);
+  const bool all_identified =
+      std::ranges::all_of(analysis.parameters, [](const auto& p) { return p.updated > 0; });
+  const bool blind = std::ranges::any_of(analysis.parameters, [](const auto& p) { return p.cannot_tell; });
+  return all_identified && blind ? "No change stands out, but not in every parameter would one be seen"
+                                 : "No change stands out, but not every parameter could be identified";
 }
 
 std::string Headline(Standing worst, const TrendAnalysis& analysis, bool inseparable,
@@ -432,6 +452,10 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& ana
   AddOilSentence(out, analysis, infos);
   if (const auto names = standing(Standing::kSteady); !names.empty())
     out.push_back(fmt::format("No change stands out in {}.", JoinNames(names)));
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (words[i].standing == Standing::kUnknown && analysis.parameters[i].cannot_tell)
+      out.push_back(fmt::format("Whether <b>{}</b> changes cannot be told: {}.", HtmlSymbol(infos[i].symbol),
+                                NotSeenText(analysis.parameters[i], infos[i])));
   if (inseparable)
     out.push_back(fmt::format(
         "The oil warmed or cooled steadily along this record. A slow change of the machine at the same pace would "

@@ -35,8 +35,10 @@ std::string Headline(const StatesExplained& e, const std::vector<Effect>& effect
                  ? "✓ The model describes these episodes: nothing is missing in it"
                  : "△ The model describes short runs of these episodes; what adds up over a whole one is open";
     case Verdict::kNamed:
-      return EscapeText(
-          fmt::format("◆ The machine shows what the model lacks: {}", fmt::join(names, " and ")));
+      return EscapeText(fmt::format("{}: {}",
+                                    x.partial ? "△ Not proven: the model lacks this, or a relative of it"
+                                              : "◆ The machine shows what the model lacks",
+                                    fmt::join(names, " and ")));
     case Verdict::kAmbiguous:
       return "△ The model lacks something; these episodes cannot tell which of several effects";
     case Verdict::kUnknown:

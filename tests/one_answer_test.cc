@@ -275,6 +275,12 @@ TEST_F(OneAnswer, ReplayIsNoSurerOfASizeThanItsShapeAllows) {
                        replay =
                            Json({"replay", log, "-m", machine, "--db", db})["parameters"]["entrained_air.a"];
   EXPECT_GE(replay["std"].get<double>(), 0.9 * fit["std"].get<double>());
+  const nlohmann::json of_fit = Json({"fit", log, "-m", machine})["parameters"];
+  const nlohmann::json summaries = Json({"trends", "--db", db})["summary"];
+  for (const nlohmann::json& summary : summaries) {
+    const std::string name = summary["parameter"];
+    EXPECT_GE(summary["std"].get<double>(), 0.8 * of_fit[name]["std"].get<double>()) << name;
+  }
   EXPECT_THAT(Run({"explain", log, "-m", kMachine}).out, HasSubstr(" at n "));
 }
 

@@ -17,6 +17,8 @@ constexpr Wording kAbsorb = {
     "die Parameter nehmen einen Teil davon auf und können außerhalb ihrer Intervalle "
     "liegen"};
 
+constexpr Wording kNotProven = {", which is not proven", ", was nicht bewiesen ist"};
+
 /// "Internal leakage past the piston seal (internal_leakage)".
 Told TitleOf(const ExplainResult& explained, const std::string& id) {
   const Effect* effect = explained.FindEffect(id);
@@ -39,6 +41,9 @@ Told Sentence(const ExplainResult& explained) {
     return Tell("{}: the noise is not white, or the model misses something, and then {}",
                 "{}: das Rauschen ist nicht weiß, oder dem Modell fehlt etwas, und dann gilt: {}",
                 kNothingPredicts, kAbsorb);
+  if (SwapLeads(x))
+    return Tell("{}{}; {}", "{}{}; {}", SwapTold(*x.swap), x.swap->proven ? Told() : Told(kNotProven),
+                kAbsorb);
   if (x.small_error) return Tell("{}; {}", "{}; {}", x.doubt, kAbsorb);
   if (x.verdict == Verdict::kUnknown)
     return Tell("the model misses something that no known effect explains; {}",
@@ -49,7 +54,7 @@ Told Sentence(const ExplainResult& explained) {
   for (const Told& group : groups)
     missing = missing.empty() ? group : Tell("{} and {}", "{} und {}", missing, group);
   return Tell("the model misses {}{}; {}", "dem Modell fehlt {}{}; {}", missing,
-              x.partial ? Told(", which is not proven", ", was nicht bewiesen ist") : Told(), kAbsorb);
+              x.partial ? Told(kNotProven) : Told(), kAbsorb);
 }
 
 }  // namespace

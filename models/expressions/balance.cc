@@ -25,6 +25,12 @@ Result<CheckedExpression> CheckedText(const Machine& machine, const std::string&
   return *checked;
 }
 
+/// What is multiplied by a rate of speed and is a mass, or a moment of inertia: there are none below zero.
+bool IsInertia(const TermSpec& term, const std::string& unit) {
+  return (unit == "kg" || unit == "kg m2") && term.expression.starts_with("ddt(") &&
+         term.expression.ends_with(")");
+}
+
 /// Quantities computed from the parameters, with their gradients.
 class Derivation {
  public:
@@ -57,8 +63,9 @@ class Derivation {
     std::vector<DerivedParameter> out;
     for (std::size_t i = 0; i < terms_.size(); ++i) {
       const auto own = Eigen::VectorXd::Unit(theta.size(), static_cast<Eigen::Index>(i));
-      out.push_back({terms_[i].parameter, units_[i], theta[static_cast<Eigen::Index>(i)], own,
-                     std::isfinite(theta[static_cast<Eigen::Index>(i)])});
+      const double value = theta[static_cast<Eigen::Index>(i)];
+      const bool possible = std::isfinite(value) && (value > 0 || !IsInertia(terms_[i], units_[i]));
+      out.push_back({terms_[i].parameter, units_[i], value, own, possible});
     }
     for (const Quantity& quantity : derived_) out.push_back(Of(quantity, theta));
     return out;

@@ -141,7 +141,7 @@ export interface ExplainResult {
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
   final: { rms_holdout: number; drifts?: Record<string, string>; german?: { drifts: Record<string, string> } }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
   odd_strokes?: OddStrokes[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
-  swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
+  swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number; explains?: boolean; proven?: boolean } | null;
   remainder?: { equation?: string; value_unit?: string; signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
   proposed_laws?: ProposedLaw[]; located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;
 }

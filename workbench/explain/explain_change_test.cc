@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "studies/simulated_strokes.h"
+#include "workbench/explain/explain_output.h"
 #include "workbench/history/history_output.h"
 
 namespace hydroscope {
@@ -77,6 +78,16 @@ TEST(ExplainHistory, ANameWhoseTwinIsNotStoredIsDoubted) {
   EXPECT_THAT(result->explanation.doubt.english, HasSubstr("tank_pressure looks the same"));
 }
 
+TEST(ExplainHistory, AnEffectThatWasAddedWronglyIsReplaced) {
+  StrokeHistory history = HistoryOf(Cushion(3, {{"relief_valve", 8e-11, {{"crack", 150e5}}}}));
+  history.machine.added_effects = {"external_leakage"};
+  const auto result = ExplainHistory(history);
+  ASSERT_TRUE(result.has_value());
+  ASSERT_TRUE(result->explanation.swap.has_value()) << ExplainText(*result);
+  EXPECT_EQ(result->explanation.swap->out, "external_leakage");
+  EXPECT_THAT(result->explanation.swap->in, Contains("relief_valve"));
+}
+
 TEST(ExplainHistory, AThresholdBetweenTheGridValuesIsFoundByInterpolation) {
   const auto result = ExplainHistory(HistoryOf(Cushion(5, {{"relief_valve", 5e-11, {{"crack", 160e5}}}})));
   ASSERT_TRUE(result.has_value());
@@ -111,6 +122,18 @@ TEST(ExplainChange, ALeakThatAppearsIsNamedAndTheParametersStay) {
   for (const char* name : {"K", "V0", "Q_vn", "y_0"})
     EXPECT_TRUE(json["change"]["parameters"].contains(name)) << name;
   EXPECT_FALSE(json["change"]["parameters"]["Q_vn"]["significant"]) << ChangeText(*result);
+}
+
+/// What another effect would explain as well, of which nothing is stored, is no proof: the first line says so, not the body alone.
+TEST(ExplainChange, AHeadlineIsNoSurerThanItsBody) {
+  const StrokeHistory before = HistoryOf(Cushion(3, {})), after = HistoryOf(Cushion(4, {kLeak}));
+  const auto result = ExplainChange(before, after);
+  ASSERT_TRUE(result.has_value());
+  ASSERT_EQ(result->after.explanation.verdict, Verdict::kNamed);
+  ASSERT_THAT(ChangeText(*result), HasSubstr("Not proven: supply_leakage looks the same"));
+  EXPECT_THAT(ChangeText(*result),
+              testing::StartsWith("NAMED, NOT PROVEN: this, or a relative of it, appeared or changed.\n"));
+  EXPECT_EQ(ChangeJson(before, after, *result)["cause_kind"], "not_proven");
 }
 
 TEST(ExplainChange, WhatWasThereBeforeIsNoChange) {

@@ -6,6 +6,7 @@
 #include "core/contains.h"
 #include "core/told_error.h"
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/effect_swap.h"
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
@@ -82,6 +83,14 @@ void AddUntestable(const StrokeHistory& history, std::map<std::string, Told>& un
 
 namespace {
 
+/// The intervals of the models before and after, their shapes free.
+void WidenShown(const StrokeSet& strokes, Explanation& x) {
+  if (!x.base.solved) return;
+  const std::span<const EffectChoice> chosen(x.chosen);
+  WidenByStoredShapes(strokes, chosen.first(static_cast<std::size_t>(x.started)), x.base);
+  WidenByStoredShapes(strokes, chosen, x.final);
+}
+
 /// What the parameters that suit each episode best leave, over what white noise would; NaN of strokes.
 double ErrorOfEachAlone(const StrokeHistory& history, double of_sums) {
   if (!KindOf(history.machine).has_states || !(history.white_noise > 0)) return std::nan("");
@@ -112,6 +121,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
       (out.explanation.verdict != Verdict::kAdequate || !options.start.empty()))
     out.explanation = ExplainRefined(strokes_under(Refined(out.explanation)), options);
   out.explanation.noise_scale = history.noise_scale;
+  WidenShown(strokes_under(out.explanation.model), out.explanation);
   if (!out.explanation.base.solved)
     return BadInput(Tell(
         "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
@@ -239,6 +249,25 @@ void TakeFloors(const StrokeHistory& history, ExplainResult& result) {
     *floor = history.NoiseFloor(*floor);
 }
 
+namespace {
+
+void DoubtWhatIsNotStored(const Machine& machine, Explanation& x) {
+  DoubtForUnmeasured(machine, x);
+  DoubtForTwinNotStored(x);
+  DoubtForUntriedLaws(x);
+}
+
+/// The explanation by the model that has the effects of `options` but for one.
+Explanation ExplainWithout(const std::string& id, const StrokeHistory& history, ExplainOptions options) {
+  std::erase(options.start, id);
+  auto result = ExplainUnits(history, options);
+  if (!result) return {};
+  DoubtWhatIsNotStored(history.machine, result->explanation);
+  return std::move(result->explanation);
+}
+
+}  // namespace
+
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
@@ -247,9 +276,8 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   TakeConfoundings(history.units, *out);
   Explanation& x = out->explanation;
   if (!x.no_verdict.empty()) return out;
-  DoubtForUnmeasured(history.machine, x);
-  DoubtForTwinNotStored(x);
-  DoubtForUntriedLaws(x);
+  DoubtWhatIsNotStored(history.machine, x);
+  x.swap = BestSwap(own, x, [&](const std::string& id) { return ExplainWithout(id, history, own); });
   SayWhatALogWouldTell(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   TakeFloors(history, *out);

@@ -5,6 +5,7 @@
 #include "models/output_unit.h"
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/explain_output.h"
+#include "workbench/explain/headline.h"
 #include "workbench/explain/located_output.h"
 #include "workbench/explain/odd_text.h"
 #include "workbench/explain/relative_text.h"
@@ -119,7 +120,9 @@ nlohmann::json SwapJson(const ExplainResult& result) {
   return {{"out", swap->out},
           {"in", swap->in},
           {"rms_holdout_before", swap->rms_before * Factor(result)},
-          {"rms_holdout_after", swap->rms_after * Factor(result)}};
+          {"rms_holdout_after", swap->rms_after * Factor(result)},
+          {"explains", swap->explains},
+          {"proven", swap->proven}};
 }
 
 nlohmann::json IntervalUnitJson(const StrokeClusters& clusters) {
@@ -207,6 +210,11 @@ nlohmann::json ClassesJson(const Explanation& x) {
   return out;
 }
 
+nlohmann::json CauseKindJson(const Explanation& x) {
+  const CauseKind kind = CauseKindOf(x);
+  return kind == CauseKind::kNotSought ? nlohmann::json() : nlohmann::json(CauseKindName(kind));
+}
+
 /// What could be predicted of an error on strokes left out.
 nlohmann::json PredictableJson(const Predictability& left) {
   if (!left.tested) return nullptr;
@@ -229,6 +237,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
       {"set", x.set},
       {"groups", x.groups},
       {"classes", ClassesJson(x)},
+      {"cause_kind", CauseKindJson(x)},
       {"partial", x.partial},
       {"may_be_noise", x.may_be_noise},
       {"small_error", x.small_error},

@@ -16,6 +16,7 @@
 #include "core/relative_change.h"
 #include "core/short_number.h"
 #include "core/units.h"
+#include "diagnosis/doubts.h"
 #include "diagnosis/effect_ranking.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -73,9 +74,10 @@ std::string NamedText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const bool one = x.set.size() == 1;
   const std::string missing = one ? "one effect" : fmt::format("{} effects at once", x.set.size());
-  std::string text = x.partial ? fmt::format("NAMED, NOT PROVEN: the model misses {}, {}.\n", missing,
-                                             one ? "this or a relative of it" : "these or relatives of them")
-                               : fmt::format("NAMED: the model misses {}.\n", missing);
+  std::string text = !WhyNotProven(x).empty()
+                         ? fmt::format("NAMED, NOT PROVEN: the model misses {}, {}.\n", missing,
+                                       one ? "this or a relative of it" : "these or relatives of them")
+                         : fmt::format("NAMED: the model misses {}.\n", missing);
   for (const std::string& id : x.set) text += Described(result, id);
   return text + DriftsText(result);
 }
@@ -83,10 +85,15 @@ std::string NamedText(const ExplainResult& result) {
 std::string AmbiguousText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const auto is_one = [&](const auto& group) { return ClassesOf(x, group).size() == 1; };
+  const char* proven = WhyNotProven(x).empty() ? "" : ", NOT PROVEN";
   std::string text =
       std::ranges::all_of(x.groups, is_one)
-          ? "NAMED, BUT FOR A TEST OFF THE LOG: the model misses something, and it is known what, as far as strokes tell.\n"
-          : "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it is.\n";
+          ? fmt::format(
+                "NAMED{}, BUT FOR A TEST OFF THE LOG: the model misses something, and it is known what, as far as strokes tell.\n",
+                proven)
+          : fmt::format(
+                "AMBIGUOUS{}: the model misses something, and these {} cannot tell which of several effects it is.\n",
+                proven, CountedWordsOf(result.log.machine).many);
   for (const auto& group : x.groups) {
     text += group.size() == 1 ? "Certain:\n"
             : is_one(group)   ? "One of these, which no stroke like these tells apart:\n"
@@ -197,7 +204,17 @@ std::string MeasuredText(const ExplainResult& result) {
   return text;
 }
 
+/// An effect of the model that another one explains better, before what would be missing beside it.
+std::string SwapVerdictText(const ExplainResult& result) {
+  const EffectSwap& swap = *result.explanation.swap;
+  std::string text = fmt::format("{}{}: {}.\n", swap.in.empty() ? "TAKE OUT" : "SWAP",
+                                 swap.proven ? "" : ", NOT PROVEN", SwapTold(swap).english);
+  for (const std::string& id : swap.in) text += Described(result, id);
+  return text;
+}
+
 std::string VerdictText(const ExplainResult& result) {
+  if (SwapLeads(result.explanation)) return SwapVerdictText(result);
   switch (result.explanation.verdict) {
     case Verdict::kAdequate:
       if (!result.explanation.odd_strokes.empty())
@@ -398,8 +415,8 @@ std::string NextText(const ExplainResult& result) {
   if (!x.odd_strokes.empty())
     return text +
            "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
-  if (x.swap && x.verdict == Verdict::kNamed)
-    text += "  Then explain again: what is named above is named beside the effect that goes.\n";
+  if (x.swap && (x.verdict == Verdict::kNamed || SwapLeads(x)))
+    text += "  Then explain again: what is named here is named beside the effect that goes.\n";
   else if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);

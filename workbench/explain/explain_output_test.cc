@@ -55,6 +55,10 @@ TEST(ExplainOutput, ANameThatIsNotProvenSaysSoFirst) {
   result.explanation.partial = true;
   EXPECT_THAT(ExplainText(result),
               StartsWith("NAMED, NOT PROVEN: the model misses one effect, this or a relative of it."));
+  EXPECT_EQ(ExplainJson(result)["cause_kind"], "not_proven");
+  result.explanation.verdict = Verdict::kAmbiguous;
+  result.explanation.groups = {{"internal_leakage", "entrained_air"}};
+  EXPECT_THAT(ExplainText(result), StartsWith("AMBIGUOUS, NOT PROVEN: "));
 }
 
 TEST(ExplainOutput, WhatTheModelHasAlreadyIsNotLookedForAgain) {
@@ -134,6 +138,27 @@ TEST(ExplainOutput, AnEffectThatWasAddedWronglyIsReplaced) {
   EXPECT_THAT(ExplainText(result), HasSubstr("Replace external_leakage by relief_valve: error"));
   EXPECT_THAT(ExplainText(result), testing::Not(HasSubstr("Make it part of the model")));
   EXPECT_EQ(ExplainJson(result)["swap"]["out"], "external_leakage");
+}
+
+/// Beside the wrong effect a second one would be named, or strokes would be parted into odd and good ones.
+TEST(ExplainOutput, AWrongEffectIsReplacedBeforeASecondIsNamedOrStrokesAreParted) {
+  for (const std::uint64_t seed : {7, 8}) {
+    PressOptions options = Cushion({{"internal_leakage", 4.5e-12, {}}});
+    options.seed = seed;
+    const ExplainResult result = Explained(options, {}, {"external_leakage"});
+    const Explanation& x = result.explanation;
+    ASSERT_TRUE(x.swap.has_value()) << seed << ExplainText(result);
+    EXPECT_EQ(x.swap->out, "external_leakage");
+    EXPECT_THAT(x.swap->in, testing::ElementsAre("internal_leakage"));
+    EXPECT_TRUE(x.swap->explains);
+    EXPECT_TRUE(x.odd_strokes.empty());
+    EXPECT_THAT(
+        ExplainText(result),
+        AllOf(StartsWith(
+                  "SWAP: the model has external_leakage, and internal_leakage in its place does better."),
+              HasSubstr("Replace external_leakage by internal_leakage"), Not(HasSubstr("AMBIGUOUS"))));
+    EXPECT_TRUE(ExplainJson(result)["swap"]["proven"].get<bool>());
+  }
 }
 
 TEST(ExplainOutput, WhatIsLeftIsShownAsACurveOverItsSignal) {

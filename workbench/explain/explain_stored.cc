@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "models/machine_kind.h"
 #include "workbench/history/history_output.h"
 
 namespace hydroscope {
 namespace {
 
+/// Of the sides of StoredExplanation::change.
 Status Compare(const Database& database, const std::string& path, const HistoryPart& part,
                const Machine& machine, StoredExplanation& out) {
   HistoryPart before = part, after = part;
@@ -21,6 +23,27 @@ Status Compare(const Database& database, const std::string& path, const HistoryP
   out.after = std::move(now);
   out.sides = std::move(sides);
   return {};
+}
+
+/// Strokes that no effect explains as one, as a number of the model moves on over them: the newest against the first, if these are
+/// explained.
+void CompareEnds(const Database& database, const std::string& path, const HistoryPart& part,
+                 const Machine& machine, StoredExplanation& out) {
+  Explanation& whole = out.whole->explanation;
+  if (out.change || whole.verdict != Verdict::kUnknown || !whole.no_verdict.empty() ||
+      KindOf(machine).has_states)
+    return;
+  StoredExplanation ends;
+  ends.change = FindMovingOn(database, part, machine);
+  if (!ends.change) return;
+  const bool named = Compare(database, path, part, machine, ends).has_value() &&
+                     ends.sides->after.explanation.verdict != Verdict::kUnknown &&
+                     ends.sides->before.explanation.verdict != Verdict::kUnknown;
+  if (named) {
+    out = std::move(ends);
+    return;
+  }
+  whole.warnings.push_back(WarningOfBothSides(*ends.change, CountedWordsOf(machine)));
 }
 
 }  // namespace
@@ -40,6 +63,7 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
   result.described = HistoryLine(history);
   out.after = std::move(history);
   out.whole = std::move(result);
+  CompareEnds(database, path, part, machine, out);
   return out;
 }
 

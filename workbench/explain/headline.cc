@@ -1,8 +1,11 @@
 #include "workbench/explain/headline.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+
+#include "diagnosis/doubts.h"
 
 namespace hydroscope {
 namespace {
@@ -57,6 +60,26 @@ Told ImpossibleFigures(const GramFit& f) {
         "Hüben. Mehr davon aufzeichnen, bei verschiedenen Geschwindigkeiten und Drücken",
         f.rms_holdout / f.rms_residual);
   return {};
+}
+
+CauseKind CauseKindOf(const Explanation& x) {
+  if (x.verdict == Verdict::kAdequate) return CauseKind::kNotSought;
+  if (x.verdict == Verdict::kUnknown) return CauseKind::kNotKnown;
+  if (!WhyNotProven(x).empty()) return CauseKind::kNotProven;
+  return x.verdict == Verdict::kNamed ? CauseKind::kNamed : CauseKind::kSeveral;
+}
+
+bool SwapLeads(const Explanation& x) {
+  return x.swap && x.swap->explains && x.verdict != Verdict::kAdequate && x.no_verdict.empty();
+}
+
+Told SwapTold(const EffectSwap& swap) {
+  if (swap.in.empty())
+    return Tell("the model does as well without {}, which it has",
+                "das Modell kommt ohne {}, das es hat, ebenso gut aus", swap.out);
+  return Tell("the model has {}, and {} in its place does better",
+              "das Modell hat {}, und mit {} an dessen Stelle ist es besser", swap.out,
+              fmt::to_string(fmt::join(swap.in, " + ")));
 }
 
 std::string WhatItMayBe(const CountedWords& counted) {

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "core/records/alarm_records.h"
+#include "diagnosis/explain.h"
 #include "estimation/gram_fit.h"
 #include "models/counted_words.h"
 
@@ -31,6 +33,15 @@ struct ModelHeadline {
   ModelStanding standing = ModelStanding::kNotJudged;
   std::string text;  ///< one sentence
 };
+
+/// How far an explanation carries the cause, as alarms tell it; kNotSought where nothing is missing.
+CauseKind CauseKindOf(const Explanation& explanation);
+
+/// Whether a swap is what an explanation says first: it explains what the model as it is leaves.
+bool SwapLeads(const Explanation& explanation);
+/// What an effect that the model has and need not have comes to, a clause without a full stop: "the model has external_leakage, and
+/// internal_leakage in its place does better".
+Told SwapTold(const EffectSwap& swap);
 
 /// What is impossible about the figures of a fit, as a sentence, or "": no numbers, an output or a model that
 /// is 0 throughout, an error above the output itself, noise above the output, an error on strokes left out

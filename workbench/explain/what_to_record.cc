@@ -25,10 +25,18 @@ Told SeparationBy(const Effect& effect, const std::string& other) {
   return {};
 }
 
-/// What tells two effects apart: what one says of the other, else what shows one of them at all.
-Told MoveFor(const ExplainResult& result, const std::string& id_a, const std::string& id_b) {
-  const Effect *found_a = result.FindEffect(id_a), *found_b = result.FindEffect(id_b);
-  const Effect a = found_a == nullptr ? Effect{} : *found_a, b = found_b == nullptr ? Effect{} : *found_b;
+/// Also of those that are tried on samples alone; one without words if the library has none of this name.
+Effect KnownEffect(const ExplainResult& result, const std::string& id) {
+  if (const Effect* effect = result.FindEffect(id)) return *effect;
+  for (const auto& effect : result.log.model->sample_effects)
+    if (effect->id == id) return *effect;
+  return {};
+}
+
+}  // namespace
+
+Told WhatTellsApart(const ExplainResult& result, const std::string& id_a, const std::string& id_b) {
+  const Effect a = KnownEffect(result, id_a), b = KnownEffect(result, id_b);
   for (const Told& strokes :
        {SeparationBy(a, id_b), SeparationBy(b, id_a), Told(b.told_apart_by, b.german.told_apart_by),
         Told(a.told_apart_by, a.german.told_apart_by), b.shown_by, a.shown_by})
@@ -36,6 +44,8 @@ Told MoveFor(const ExplainResult& result, const std::string& id_a, const std::st
   return Tell("strokes that differ in {}", "Hübe, die sich darin unterscheiden: {}",
               result.log.model->words.vary);
 }
+
+namespace {
 
 /// Spread of a quantity over the strokes, relative to its mean.
 template <typename Get>
@@ -74,7 +84,7 @@ Told Separating(const ExplainResult& result) {
     if (group.size() < 2) continue;
     std::vector<Told> moves;
     for (std::size_t k = 1; k < group.size(); ++k) {
-      const Told move = MoveFor(result, group.front(), group[k]);
+      const Told move = WhatTellsApart(result, group.front(), group[k]);
       if (Contains(moves, move)) continue;
       moves.push_back(move);
       text.push_back(Tell("To tell {} from {}, record {}.", "Um {} von {} zu trennen, aufzeichnen: {}.",

@@ -9,6 +9,7 @@
 #include "core/interval_text.h"
 #include "core/relative_change.h"
 #include "core/short_number.h"
+#include "diagnosis/doubts.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -124,16 +125,20 @@ std::string EpisodesText(const ChangeResult& result) {
 }
 
 std::string VerdictText(const ChangeResult& result) {
+  const bool proven = WhyNotProven(result.after.explanation).empty();
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
       return AnyMoved(result) ? "ADEQUATE: no physical effect appeared; what is marked * below moved.\n"
                               : fmt::format("ADEQUATE: nothing changed between these {} that stands out.\n",
                                             CountedWordsOf(result.after.log.machine).many);
     case Verdict::kNamed:
-      return "NAMED: this appeared or changed.\n" + ChangedEffectsText(result);
+      return (proven ? "NAMED: this appeared or changed.\n"
+                     : "NAMED, NOT PROVEN: this, or a relative of it, appeared or changed.\n") +
+             ChangedEffectsText(result);
     case Verdict::kAmbiguous:
-      return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell "
-             "which of these it is, best first.\n" +
+      return fmt::format(
+                 "AMBIGUOUS{}: something appeared or changed, and these {} cannot tell which of these it is, best first.\n",
+                 proven ? "" : ", NOT PROVEN", CountedWordsOf(result.after.log.machine).many) +
              ChangedEffectsText(result);
     case Verdict::kUnknown:
       if (KindOf(result.after.log.machine).has_states) return EpisodesText(result);

@@ -78,11 +78,11 @@ void Confound(Told why, EstimateStatement& statement) {
   statement.why = std::move(why);
 }
 
-/// The recursive estimate takes strokes for independent. Where those of the last run hang together, its intervals are at
-/// least those of the fit to them. Nor can it be trusted where the error of that fit could be taken for the parameter.
-void StateByLastRun(const GramFit& figures, std::vector<EstimateStatement>& statements,
+/// The recursive estimate takes strokes for independent, and shapes of effects as given. Where strokes of the last run hang
+/// together, or an effect has a shape (`shaped`), its intervals are at least those of the fit to them. Nor can it be trusted where the error of that fit could be taken for the parameter.
+void StateByLastRun(const GramFit& figures, bool shaped, std::vector<EstimateStatement>& statements,
                     const std::vector<Estimate>& latest) {
-  const bool together = figures.clusters.unit != ClusterUnit::kStroke;
+  const bool together = shaped || figures.clusters.unit != ClusterUnit::kStroke;
   for (EstimateStatement& statement : statements)
     for (const Estimate& fitted : figures.parameters) {
       if (fitted.parameter != statement.parameter) continue;
@@ -93,6 +93,12 @@ void StateByLastRun(const GramFit& figures, std::vector<EstimateStatement>& stat
       if (fitted.reason == EstimateReason::kConfounded && (fitted.excitation > 0 || wider))
         Confound(ReasonTold(fitted.reason), statement);
     }
+}
+
+bool HasShapes(const Machine& machine, const ModelStructure& model) {
+  return std::ranges::any_of(model.effects, [&](const auto& effect) {
+    return !effect->nonlinear.empty() && Contains(machine.added_effects, effect->id);
+  });
 }
 
 /// The estimator follows a size at the shape that the machine file holds. How well the log that gave the shape told it, and with it
@@ -151,7 +157,7 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
   TRY(FitLastRun(database, machine_id, tolerant, assumed, runs, out));
   std::vector<Estimate> known = latest;
   for (Estimate& e : known) StateEstimate(out.statements, e);
-  StateByLastRun(out.figures, out.statements, known);
+  StateByLastRun(out.figures, HasShapes(machine, model), out.statements, known);
   for (Estimate& e : latest) StateEstimate(out.statements, e);
   TRY(ConfoundNewest(database, machine_id, tolerant, assumed, runs, latest, out));
   for (const Confounding& c : out.confounded)

@@ -20,6 +20,7 @@ constexpr double kEvident = 1e-4;
 constexpr double kBetterThanALine = 0.5;
 constexpr std::int64_t kOilSample = 2000;  ///< strokes whose oil temperature and conditions are read
 constexpr double kStandsOut = 3;           ///< standard deviations of the values before
+constexpr double kEndScatter = 2;          ///< standard deviations of single values, of those of one end
 constexpr double kLeastEnergy = 0.1;       ///< of error and noise over noise, which scatters about 1
 
 double SquaresAboutMean(const double* first, const double* last) {
@@ -75,6 +76,34 @@ BestPlace FindBestPlace(const std::vector<double>& values) {
   best.change.after = MeanOf(first + best.change.at, last);
   best.places = static_cast<double>(n - 2 * kFewestOfALevel + 1);
   return best;
+}
+
+/// p of no change, over all places looked at, of two levels that leave `squares`.
+double ChanceOf(const BestPlace& best, std::size_t n) {
+  const double degrees = static_cast<double>(n) - 2;
+  const auto at = static_cast<double>(best.change.at);
+  const double std_error = std::sqrt(best.squares / degrees * (1 / at + 1 / (static_cast<double>(n) - at)));
+  const double t = std::abs(best.change.after - best.change.before) / std::max(std_error, 1e-300);
+  return std::min(1.0, best.places * StudentTwoSided(t, degrees));
+}
+
+/// Standard deviation of single values, of what neighbours differ by: a level that moves adds little to it.
+double ScatterOfNeighbours(const std::vector<double>& values) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < values.size(); ++i) steps.push_back(std::abs(values[i] - values[i - 1]));
+  std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+  constexpr double kMedianOfNormal = 0.6745;
+  return steps[steps.size() / 2] / kMedianOfNormal / std::sqrt(2.0);
+}
+
+/// How many of the first values, kFewestOfALevel at least, are alike.
+std::size_t CountAlike(const std::vector<double>& values) {
+  const double scatter = ScatterOfNeighbours(values);
+  std::size_t count = kFewestOfALevel;
+  while (2 * count < values.size() &&
+         std::abs(values[count] - MeanOf(values.data(), values.data() + count)) < kEndScatter * scatter)
+    ++count;
+  return count;
 }
 
 /// Whether the value at `last` is beyond those before it.
@@ -160,11 +189,15 @@ std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks
   return found;
 }
 
+Result<std::vector<BlockEstimates>> BlocksOf(const Database& database, const HistoryPart& part,
+                                             const Machine& machine) {
+  const auto strokes = TRY(database.SummariesOf(part.id, part.first, part.last, kOilSample));
+  return EstimateBlocks(database, part.id, machine, strokes);
+}
+
 std::optional<StoredChange> EvidentInBlocks(const Database& database, const HistoryPart& part,
                                             const Machine& machine) {
-  const auto strokes = database.SummariesOf(part.id, part.first, part.last, kOilSample);
-  if (!strokes || strokes->empty()) return std::nullopt;
-  const auto blocks = EstimateBlocks(database, part.id, machine, *strokes);
+  const auto blocks = BlocksOf(database, part, machine);
   if (!blocks) return std::nullopt;
   std::optional<StoredChange> clearest;
   double p = kEvident;
@@ -197,13 +230,23 @@ std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
   std::iota(numbers.begin(), numbers.end(), 0.0);
   const double line = std::min(SquaresAboutLine(numbers, values), SquaresAboutLines(others, values));
   if (!(least <= kBetterThanALine * line)) return std::nullopt;
-  const double degrees = static_cast<double>(n) - 2;
-  const double std_error =
-      std::sqrt(least / degrees * (1 / static_cast<double>(best.at) + 1 / static_cast<double>(n - best.at)));
-  const double t = std::abs(best.after - best.before) / std::max(std_error, 1e-300);
-  best.p = std::min(1.0, places * StudentTwoSided(t, degrees));
+  best.p = ChanceOf({best, least, places}, n);
   if (!(best.p < kEvident)) return std::nullopt;
   return best;
+}
+
+std::optional<BothEnds> FindWhatMovesOn(const std::vector<double>& values,
+                                        const std::vector<std::vector<double>>& others) {
+  const std::size_t n = values.size();
+  if (n < kFewestValues) return std::nullopt;
+  const BestPlace best = FindBestPlace(values);
+  std::vector<double> numbers(n);
+  std::iota(numbers.begin(), numbers.end(), 0.0);
+  const double least = std::min(best.squares, SquaresAboutLine(numbers, values));
+  if (!(least <= kBetterThanALine * SquaresAboutLines(others, values))) return std::nullopt;
+  const double p = ChanceOf(best, n);
+  if (!(p < kEvident)) return std::nullopt;
+  return BothEnds{CountAlike(values), n - CountAlike({values.rbegin(), values.rend()}), p};
 }
 
 std::optional<LevelChange> FindErrorGrowth(const std::vector<double>& errors,
@@ -227,6 +270,30 @@ std::optional<StoredChange> FindStoredChange(const Database& database, const His
                                              const Machine& machine, const std::vector<AlarmState>& alarms) {
   if (auto told = ToldByAlarm(part, alarms, CountedWordsOf(machine))) return told;
   return EvidentInBlocks(database, part, machine);
+}
+
+std::optional<StoredChange> FindMovingOn(const Database& database, const HistoryPart& part,
+                                         const Machine& machine) {
+  const auto blocks = BlocksOf(database, part, machine);
+  if (!blocks) return std::nullopt;
+  const CountedWords counted = CountedWordsOf(machine);
+  std::optional<StoredChange> clearest;
+  double p = kEvident;
+  for (const BlockSeries& series : SeriesOfParameters(*blocks)) {
+    const auto ends = FindWhatMovesOn(series.values, {series.oil});
+    if (!ends || !(ends->p < p)) continue;
+    StoredChange found;
+    found.before_end = series.blocks[ends->first_end]->first;
+    found.since = series.blocks[ends->last_begin]->first;
+    found.by = series.parameter;
+    found.text = Tell("between {} {} and {}, over which {} moves on",
+                      "zwischen {} {} und {}, in der sich {} weiterbewegt", counted.Many(), found.before_end,
+                      found.since, series.parameter);
+    if (!LeavesEnough(found, part)) continue;
+    p = ends->p;
+    clearest = std::move(found);
+  }
+  return clearest;
 }
 
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {

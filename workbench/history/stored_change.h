@@ -33,6 +33,11 @@ inline constexpr const char* kByModelError = "model_error";
 std::optional<StoredChange> FindStoredChange(const Database& database, const HistoryPart& part,
                                              const Machine& machine, const std::vector<AlarmState>& alarms);
 
+/// Where FindStoredChange finds no place, as something moves on over the record or in several steps: the first strokes against the
+/// newest of the parameter or size of an effect that does so most evidently (FindWhatMovesOn). nullopt as FindStoredChange.
+std::optional<StoredChange> FindMovingOn(const Database& database, const HistoryPart& part,
+                                         const Machine& machine);
+
 /// What speaks against taking the strokes on both sides of a change as one.
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted);
 
@@ -51,6 +56,16 @@ struct LevelChange {
 /// long as `values`; NaN: not known, then that one is not asked). nullopt below 8 values.
 std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
                                            const std::vector<std::vector<double>>& others);
+
+/// Values alike at either end of a series: those before `first_end` and those from `last_begin` on.
+struct BothEnds {
+  std::size_t first_end = 0, last_begin = 0;
+  double p = 1;  ///< of no change, as of LevelChange
+};
+/// The ends of a series that moves on, or in several steps: evident as a LevelChange, but that a straight line over the values'
+/// numbers may describe it as well. nullopt below 8 values, or where a line over one of `others` does.
+std::optional<BothEnds> FindWhatMovesOn(const std::vector<double>& values,
+                                        const std::vector<std::vector<double>>& others);
 
 /// The place from which on `errors` (logarithms of error and noise energy over noise energy) are larger by more than
 /// estimation/floor_trust.h lets a model err, if that is evident: p below 1e-4, successive values taken as correlated,

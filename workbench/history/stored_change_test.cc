@@ -41,6 +41,26 @@ TEST(LevelChange, IsNotFoundInNoiseInASteadyDriftOrInWhatFollowsTheOil) {
 
 TEST(LevelChange, NeedsEnoughValues) { EXPECT_FALSE(FindLevelChange({0, 0, 0, 0, 9, 9, 9}, {})); }
 
+TEST(WhatMovesOn, IsFoundInADriftAndInSeveralStepsAndNotInNoiseNorWithTheOil) {
+  std::vector<double> drift = Noise(40, 2), steps = Noise(40, 3), oil(40);
+  for (std::size_t i = 0; i < drift.size(); ++i) {
+    drift[i] += 0.5 * static_cast<double>(i);
+    steps[i] += 6.0 * static_cast<double>(i / 10);
+    oil[i] = drift[i] + 300;
+  }
+  for (const auto& values : {drift, steps}) {
+    EXPECT_FALSE(FindLevelChange(values, {}));
+    const auto ends = FindWhatMovesOn(values, {});
+    ASSERT_TRUE(ends.has_value());
+    EXPECT_GE(ends->first_end, 3u);
+    EXPECT_LE(ends->first_end, 12u);
+    EXPECT_GE(ends->last_begin, 28u);
+  }
+  EXPECT_FALSE(FindWhatMovesOn(drift, {oil}));
+  for (std::uint64_t seed = 0; seed < 300; ++seed)
+    EXPECT_FALSE(FindWhatMovesOn(Noise(40, 100 + seed), {})) << seed;
+}
+
 /// Logarithms of error energy over blocks: `grows` from block 18 on, ever further.
 std::vector<double> Errors(std::uint64_t seed, double grows) {
   std::vector<double> errors = Noise(34, seed);

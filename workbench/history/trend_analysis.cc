@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/contains.h"
 #include "core/quantile.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -231,7 +232,22 @@ std::optional<EstimateReason> WhyNot(const ParameterAnalysis& analysis) {
   return most == analysis.not_updated.end() ? std::nullopt : std::optional(most->first);
 }
 
+/// First stroke of the runs at the end that are of one version of the model.
+std::int64_t NewestVersionSince(const std::vector<RunInfo>& runs) {
+  std::int64_t since = 0;
+  const RunInfo* newer = nullptr;
+  for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
+    if (run->strokes == 0) continue;
+    if (newer != nullptr && run->model_version != newer->model_version) return since;
+    since = run->first_sequence;
+    newer = &*run;
+  }
+  return since;
+}
+
 void Analyse(ParameterAnalysis& analysis, const RecordedHistory& history, bool oil_measured) {
+  const std::int64_t since = NewestVersionSince(history.runs);
+  if (!analysis.samples.empty() && analysis.samples.front().sequence < since) analysis.version_since = since;
   for (const TrendSample& sample : analysis.samples) {
     if (sample.updated) {
       ++analysis.updated;
@@ -251,7 +267,10 @@ void Analyse(ParameterAnalysis& analysis, const RecordedHistory& history, bool o
 
 /// What the plot shows is not denied on the strength of blocks that see less.
 void HearEstimates(ParameterAnalysis& analysis) {
-  ThirdsComparison estimates = CompareEstimates(analysis.samples);
+  std::vector<TrendSample> of_one_model = analysis.samples;
+  if (analysis.version_since)
+    std::erase_if(of_one_model, [&](const TrendSample& s) { return s.sequence < *analysis.version_since; });
+  ThirdsComparison estimates = CompareEstimates(of_one_model);
   if (!estimates.change.Known()) return;
   const bool blocks_tell = analysis.change.change.Known();
   if (blocks_tell && (SignificanceOf(analysis.change.change) != Significance::kNone ||
@@ -262,11 +281,40 @@ void HearEstimates(ParameterAnalysis& analysis) {
   analysis.by_estimates = true;
 }
 
+/// Where a change begins to matter, SI; infinite where nothing tells.
+double WhatMatters(const ParameterAnalysis& analysis, const Machine& machine) {
+  double matters = std::numeric_limits<double>::infinity();
+  for (const MonitorSpec& spec : machine.monitors)
+    for (const auto& limit : {spec.warn_low, spec.warn_high, spec.alarm_low, spec.alarm_high})
+      if (spec.parameter == analysis.parameter && limit)
+        matters = std::min(matters, std::abs(*limit - analysis.change.first));
+  const MachineKind& kind = KindOf(machine);
+  const MachineParameter* known = FindParameter(kind, analysis.parameter);
+  if (known != nullptr && known->relative) matters = std::min(matters, std::abs(analysis.change.first));
+  if (machine.added_effects.empty() || kind.effects == nullptr) return matters;
+  for (const auto& effect : kind.effects(machine))
+    if (effect->id + "." + effect->parameter == analysis.parameter && effect->typical > 0)
+      matters = std::min(matters, effect->typical);
+  return matters;
+}
+
+constexpr double kClearOfNoise = 2.576;  ///< standard errors of a finding (kClearBelow)
+
+/// Whether a change that matters would have been seen.
+void JudgePower(const Machine& machine, ParameterAnalysis& analysis) {
+  const TestedValue& change = analysis.change.change;
+  if (!change.Known()) return;
+  analysis.smallest_seen = kClearOfNoise / kNormal95 * change.HalfWidth();
+  analysis.cannot_tell = SignificanceOf(change) == Significance::kNone &&
+                         analysis.smallest_seen > WhatMatters(analysis, machine);
+}
+
 /// What the family-wise p say.
-void Conclude(ParameterAnalysis& analysis) {
+void Conclude(const Machine& machine, ParameterAnalysis& analysis) {
   HearEstimates(analysis);
   if (analysis.oil.slope.Known()) analysis.oil.outcome = OutcomeOf(analysis.oil);
   analysis.unexplained = Unexplained(analysis);
+  JudgePower(machine, analysis);
 }
 
 ModelErrorAnalysis AnalyseError(const RecordedHistory& history) {
@@ -386,7 +434,7 @@ TrendAnalysis AnalyseTrends(const RecordedHistory& history, std::vector<Paramete
   for (ParameterAnalysis& parameter : analysis.parameters)
     Analyse(parameter, history, std::isfinite(analysis.coldest));
   AdjustForAll(analysis.parameters);
-  for (ParameterAnalysis& parameter : analysis.parameters) Conclude(parameter);
+  for (ParameterAnalysis& parameter : analysis.parameters) Conclude(history.machine, parameter);
   analysis.error = AnalyseError(history);
   analysis.duration = Duration(history);
   return analysis;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -92,8 +93,16 @@ struct ParameterAnalysis {
   /// on the estimates (`by_estimates`), in the latter case as a hint at most.
   ThirdsComparison change;
   bool by_estimates = false;
+  /// The smallest change over the record that would have been clear, SI; NaN where `change` is not known.
+  double smallest_seen = std::numeric_limits<double>::quiet_NaN();
+  /// No change stands out, and `smallest_seen` is more than what matters: the way to the nearest limit of the machine file, the
+  /// parameter itself where its changes are told in %, or Effect::typical of an effect's size. That is no all-clear.
+  bool cannot_tell = false;
   OilDependence oil;
   LimitCheck limits;
+  /// First stroke of those estimated with the newest version of the model, where others are older: estimates of two versions are not
+  /// compared. Blocks are fitted with one model, all of them.
+  std::optional<std::int64_t> version_since;
   /// A change that oil temperature does not explain: clear, and clear at equal oil temperature where that can
   /// be asked.
   Significance unexplained = Significance::kNone;

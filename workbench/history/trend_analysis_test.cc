@@ -188,7 +188,7 @@ TEST(AnalyseTrends, IsTheJudgementThatTrendsTell) {
   fixture.wear = 0.06;
   const ReportInput input = fixture.Make();
   const TrendAnalysis analysis = AnalyseTrends(input);
-  for (const TrendSummary& summary : SummariseTrends(input.trends, input.blocks, input.strokes)) {
+  for (const TrendSummary& summary : SummariseTrends(input.trends, input)) {
     const ParameterAnalysis& card = Of(analysis, summary.parameter);
     ASSERT_EQ(summary.change.has_value(), card.change.change.Known()) << summary.parameter;
     if (!summary.change) continue;
@@ -196,6 +196,51 @@ TEST(AnalyseTrends, IsTheJudgementThatTrendsTell) {
     EXPECT_EQ(summary.change->significant, SignificanceOf(card.change.change) == Significance::kClear);
     EXPECT_EQ(summary.change->hint, SignificanceOf(card.change.change) == Significance::kHint);
   }
+}
+
+/// "No change seen" of an interval wider than the parameter, or than the way to its limit, is no all-clear.
+TEST(AnalyseTrends, CannotTellWhatItWouldNotSee) {
+  ReportFixture fixture;
+  ReportInput input = fixture.Make();
+  input.blocks.clear();
+  const auto judged = [&](const std::string& parameter) {
+    const ParameterAnalysis analysis = Of(AnalyseTrends(input), parameter);
+    const double value = analysis.latest->value;
+    return DescribeParameter(analysis, InfoFor(KindOf(input.machine), parameter, analysis.unit, value));
+  };
+  EXPECT_EQ(judged("V0").standing, Standing::kSteady);
+  for (TrendPoint& point : input.trends)
+    if (point.estimate.parameter == "V0") point.estimate.std = 2 * point.estimate.value;
+  const ParameterWords blind = judged("V0");
+  EXPECT_EQ(blind.standing, Standing::kUnknown);
+  EXPECT_EQ(blind.pill, "cannot be told");
+  EXPECT_THAT(blind.reading, testing::HasSubstr("would not be seen"));
+  EXPECT_EQ(judged("K").standing, Standing::kSteady);
+  input.machine.monitors = {
+      {"K", 0.999 * ReportFixture::kBulkModulus, std::nullopt, std::nullopt, std::nullopt, std::nullopt}};
+  EXPECT_TRUE(Of(AnalyseTrends(input), "K").cannot_tell) << "a change that crosses the limit may be unseen";
+  for (const TrendSummary& summary : SummariseTrends(input.trends, input))
+    if (summary.parameter == "V0") {
+      EXPECT_TRUE(summary.change->cannot_tell);
+    }
+}
+
+/// Parameters of two models differ though nothing changed.
+TEST(AnalyseTrends, ComparesNoEstimatesOfTwoVersionsOfTheModel) {
+  ReportFixture fixture;
+  ReportInput input = fixture.Make();
+  input.blocks.clear();
+  for (TrendPoint& point : input.trends)
+    if (point.estimate.parameter == "K" && point.sequence >= 150) point.estimate.value *= 1.2;
+  ASSERT_NE(SignificanceOf(Of(AnalyseTrends(input), "K").change.change), Significance::kNone);
+  input.runs = {RunInfo{.strokes = 150, .first_sequence = 0, .model_version = 1},
+                RunInfo{.strokes = 150, .first_sequence = 150, .model_version = 2}};
+  const ParameterAnalysis& bulk = Of(AnalyseTrends(input), "K");
+  EXPECT_EQ(bulk.version_since, 150);
+  EXPECT_EQ(SignificanceOf(bulk.change.change), Significance::kNone);
+  input.runs[1].first_sequence = 297;
+  input.runs[1].strokes = 3;
+  EXPECT_FALSE(Of(AnalyseTrends(input), "K").change.change.Known());
 }
 
 TEST(AnalyseTrends, SaysWhenOilAndTimeRanTogether) {

@@ -25,6 +25,8 @@ std::optional<TrendChange> ChangeOf(const ParameterAnalysis& analysis) {
   change.p = tested.p;
   change.significant = significance == Significance::kClear;
   change.hint = significance == Significance::kHint;
+  change.smallest_seen = analysis.smallest_seen;
+  change.cannot_tell = analysis.cannot_tell;
   change.with_oil = change.significant && analysis.unexplained == Significance::kNone;
   return change;
 }
@@ -79,23 +81,21 @@ void TrendSummariser::Add(const TrendPoint& point) {
   summary->stds.push_back(e.std);
 }
 
-std::vector<TrendSummary> TrendSummariser::Finish(const std::vector<BlockEstimates>& blocks,
-                                                  const std::vector<StrokeSummary>& strokes) && {
-  RecordedHistory history;
-  history.blocks = blocks;
-  history.strokes = strokes;
+std::vector<TrendSummary> TrendSummariser::Finish(const RecordedHistory& history) && {
   for (const ParameterAnalysis& analysis : AnalyseTrends(history, std::move(samples_)).parameters)
     for (TrendSummary& summary : summaries_)
-      if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
+      if (summary.parameter == analysis.parameter) {
+        summary.change = ChangeOf(analysis);
+        summary.version_since = analysis.version_since;
+      }
   return std::move(summaries_);
 }
 
 std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
-                                          const std::vector<BlockEstimates>& blocks,
-                                          const std::vector<StrokeSummary>& strokes) {
+                                          const RecordedHistory& history) {
   TrendSummariser summariser;
   for (const TrendPoint& point : points) summariser.Add(point);
-  return std::move(summariser).Finish(blocks, strokes);
+  return std::move(summariser).Finish(history);
 }
 
 std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width) {

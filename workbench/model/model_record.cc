@@ -2,6 +2,7 @@
 
 #include "core/told_error.h"
 #include "diagnosis/interpolated_shapes.h"
+#include "diagnosis/shape_freedom.h"
 #include "models/counted_words.h"
 #include "models/find_effect.h"
 #include "workbench/explain/explain_log.h"
@@ -82,6 +83,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
   if (!out.fit.solved)
     return BadInput(Tell("{}: the strokes do not excite all parameters of the model",
                          "{}: die Hübe regen nicht alle Parameter des Modells an", history.database));
+  WidenByStoredShapes(strokes, choices, out.fit);
   strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
   MarkCarriedByError(strokes, out.fit, out.figures);

@@ -18,8 +18,14 @@ interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; 
 
 const oddOf = (explain: ExplainResult) => (explain.odd_strokes ?? []).reduce((sum, odd) => sum + odd.strokes.length, 0);
 
+const notProven = (explain: ExplainResult) => explain.set.length > 0 && (explain.partial || !!explain.doubt);
+
+/** An effect of the model that another one explains better comes before what would be missing beside it. */
+const swapLeads = (explain: ExplainResult) => !!explain.swap?.explains && explain.verdict !== "adequate";
+
 /** An adequate model may be so in part only, and of an unknown error it may be open whether it is one. */
 function headline(explain: ExplainResult): keyof Words {
+  if (swapLeads(explain)) return explain.swap!.proven ? "swapFirst" : "swapFirstInDoubt";
   if (explain.may_be_noise) return "mayBeNoise";
   if (explain.small_error) return "smallError";
   if (explain.slow) return "slow";
@@ -28,7 +34,8 @@ function headline(explain: ExplainResult): keyof Words {
   if (explain.verdict === "unknown" && explain.doubtful) return "doubtful";
   if (explain.only_zeros) return "onlyZeros";
   if (explain.verdict === "adequate" && oddOf(explain) > 0) return "adequateSome";
-  if (explain.verdict === "named" && explain.partial) return "namedInDoubt";
+  if (notProven(explain) && explain.verdict === "named") return "namedInDoubt";
+  if (notProven(explain) && explain.verdict === "ambiguous") return "ambiguousInDoubt";
   return explain.verdict;
 }
 
@@ -43,7 +50,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
       <p class="headline" data-verdict={explain.verdict}>{say(headline(explain), { described: explain.strokes - oddOf(explain), count: explain.strokes })}</p>
-      {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
+      {!swapLeads(explain) && explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
