@@ -26,4 +26,12 @@ Told UnusualModulus(const MachineKind& kind, const Estimate& parameter) {
       shown(parameter.value), shown(kSoftOil), shown(kStiffOil), unit.name);
 }
 
+std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters) {
+  std::vector<Told> unusual;
+  for (const Estimate& e : parameters)
+    if (e.reason != EstimateReason::kOutsidePhysics)
+      if (Told text = UnusualModulus(kind, e); !text.empty()) unusual.push_back(std::move(text));
+  return unusual;
+}
+
 }  // namespace hydroscope

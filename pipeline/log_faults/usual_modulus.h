@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "core/records/estimate.h"
 #include "core/told.h"
 #include "models/machine_kind.h"
@@ -9,5 +12,8 @@ namespace hydroscope {
 /// A bulk modulus that is surely none of oil in a cylinder, though physics allows it: a model takes up any scale of the pressure, so
 /// that only this tells a wrong one. A sentence; "" of other parameters and of usual ones.
 Told UnusualModulus(const MachineKind& kind, const Estimate& parameter);
+
+/// The same of all parameters that may be believed.
+std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters);
 
 }  // namespace hydroscope
