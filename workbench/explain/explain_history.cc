@@ -8,6 +8,7 @@
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/interpolated_shapes.h"
+#include "diagnosis/odd_strokes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
 #include "estimation/floor_trust.h"
@@ -239,11 +240,42 @@ void TakeFloors(const StrokeHistory& history, ExplainResult& result) {
     *floor = history.NoiseFloor(*floor);
 }
 
-Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+std::optional<Explanation> ButForOddUnits(const StrokeHistory& history, const Explanation& whole) {
+  if (whole.verdict != Verdict::kUnknown || !whole.no_verdict.empty() || !whole.base.solved)
+    return std::nullopt;
+  ExplainOptions options = OptionsForEquations({}, history.equations());
+  options.start = history.machine.added_effects;
+  options.noise_scale = whole.noise_scale;
+  options.evidence_scale = whole.evidence_scale;
+  return ExplainOddStrokes(StrokeSet(whole.model, history.units, history.window, history.noise_scale), whole,
+                           options, {});
+}
+
+namespace {
+
+/// Whether each stroke is stored by itself, with its summary at the same place.
+bool HasEachStroke(const StrokeHistory& history) {
+  if (history.sample.size() != history.units.size() || history.parts.size() != 1) return false;
+  for (std::size_t k = 0; k < history.units.size(); ++k)
+    if (history.unit_parts[k].strokes() != 1 || history.unit_parts[k].first != history.sample[k].index)
+      return false;
+  return !InEpisodes(KindOf(history.machine));
+}
+
+Result<ExplainResult> ExplainStoredUnits(const StrokeHistory& history, const ExplainOptions& options,
+                                         bool but_for_odd) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
   auto out = ExplainUnits(history, own);
   if (!out) return out;
+  if (but_for_odd && HasEachStroke(history))
+    if (auto parted = ButForOddUnits(history, out->explanation); parted && !parted->odd_strokes.empty()) {
+      parted->noise_scale = out->explanation.noise_scale;
+      parted->evidence_scale = out->explanation.evidence_scale;
+      out->explanation = std::move(*parted);
+      out->base =
+          FiguresOf(*out->explanation.model, out->explanation.base, static_cast<int>(history.units.size()));
+    }
   TakeConfoundings(history.units, *out);
   Explanation& x = out->explanation;
   if (!x.no_verdict.empty()) return out;
@@ -254,6 +286,16 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   TakeFloors(history, *out);
   return out;
+}
+
+}  // namespace
+
+Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+  return ExplainStoredUnits(history, options, false);
+}
+
+Result<ExplainResult> ExplainHistoryButForOdd(const StrokeHistory& history) {
+  return ExplainStoredUnits(history, {}, true);
 }
 
 }  // namespace hydroscope
