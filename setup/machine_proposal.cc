@@ -210,8 +210,6 @@ class Proposer {
       why = Tell("{}; often repeats a reading, so it is never taken for stuck",
                  "{}; wiederholt oft einen Wert, gilt darum nie als hängend", why);
     }
-    if (!guess.to_fill_in.empty())
-      result_.open.push_back(Tell("[signals] {}: {}", "[signals] {}: {}", name, guess.to_fill_in));
     notes_.signals[name] =
         why.english + (!guess.to_fill_in.empty() ? "  <-- FILL IN its unit, scale and offset, as said above"
                        : sure                    ? ""
@@ -262,6 +260,7 @@ class Proposer {
       if (column.numeric() && !column.date && !row_counter && !IsUsed(i)) others.push_back(i);
     }
     const bool loops = AreCurrentLoops(head_, others);
+    Told to_fill_in;
     for (const std::size_t i : others) {
       const LogColumn& column = head_.columns[i];
       const std::string written = WrittenUnit(column);
@@ -271,9 +270,11 @@ class Proposer {
                               : known
                                   ? AsWritten(written, column)
                                   : UnitGuess{"1", 1, 0, Told("unit unknown", "Einheit unbekannt"), false};
+      if (to_fill_in.empty()) to_fill_in = guess.to_fill_in;
       AddSignal(FreeName(column.name), column, guess, guess.why, known);
       others_.push_back(i);
     }
+    if (!to_fill_in.empty()) result_.open.push_back(to_fill_in);
   }
   std::string FreeName(const std::string& column) {
     std::string name;

@@ -334,15 +334,17 @@ TEST(MachineProposal, TakesCurrentLoopsForAGuess) {
 TEST(MachineProposal, BareCurrentLoopsAreToBeFilledIn) {
   const auto loop = [](double share) { return 4 + 16 * share; };
   const MachineProposal proposal = Propose(PressLog("t,AI_0,AI_1,AI_2\n", [&](const PressRow& r) {
-    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", r.t, loop(r.p_A / 400e5), loop(0.5 + r.y_v / 2), loop(0.4));
+    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", r.t, loop(r.p_A / 400e5), loop(0.5 + r.y_v / 2),
+                       loop(0.4));
   }));
   for (const char* name : {"AI_0", "AI_1", "AI_2"}) {
     const SignalSpec& spec = proposal.machine.signals[proposal.machine.SignalIndex(name)];
     EXPECT_DOUBLE_EQ(4 * spec.scale + spec.offset, 0) << name;
     EXPECT_DOUBLE_EQ(20 * spec.scale + spec.offset, 1) << name;
-    EXPECT_THAT(proposal.text, HasSubstr(fmt::format("TO DO BY YOU: [signals] {}: column {} looks like 4 ... 20 mA", name, name)));
   }
   EXPECT_THAT(proposal.text, HasSubstr("<-- FILL IN its unit, scale and offset"));
+  EXPECT_THAT(proposal.text,
+              HasSubstr("TO DO BY YOU: [signals], lines marked FILL IN: the columns look like 4 ... 20 mA"));
   // Numbers beyond are none.
   const MachineProposal others = Propose(PressLog("t,AI_0,AI_1\n", [&](const PressRow& r) {
     return fmt::format("{:.4f},{:.4f},{:.4f}", r.t, loop(r.p_A / 400e5), 30 * r.y_v);

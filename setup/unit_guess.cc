@@ -234,12 +234,12 @@ UnitGuess UnknownCurrentLoop(const LogColumn& column) {
            Size(column)),
       false};
   guess.to_fill_in = Tell(
-      "column {} looks like 4 ... 20 mA; write the range on the sensor's plate, from LOW at 4 mA to HIGH at 20 mA: its unit, "
-      "scale = (HIGH - LOW)/16 and offset = LOW - 4*scale (0 ... 400 bar: unit = \"bar\", scale = 25, offset = -100)",
-      "Spalte {} sieht nach 4 ... 20 mA aus; den Messbereich vom Typenschild des Sensors eintragen, von UNTEN bei 4 mA bis OBEN bei "
-      "20 mA: Einheit, scale = (OBEN - UNTEN)/16 und offset = UNTEN - 4*scale (0 ... 400 bar: unit = \"bar\", scale = 25, "
-      "offset = -100)",
-      column.name);
+      "[signals], lines marked FILL IN: the columns look like 4 ... 20 mA; write for each the range on its sensor's plate, from LOW at "
+      "4 mA to HIGH at 20 mA: its unit, scale = (HIGH - LOW)/16 and offset = LOW - 4*scale (0 ... 400 bar: unit = \"bar\", scale = "
+      "25, offset = -100)",
+      "[signals], Zeilen mit FILL IN: die Spalten sehen nach 4 ... 20 mA aus; für jede den Messbereich vom Typenschild des Sensors "
+      "eintragen, von UNTEN bei 4 mA bis OBEN bei 20 mA: Einheit, scale = (OBEN - UNTEN)/16 und offset = UNTEN - 4*scale (0 ... 400 "
+      "bar: unit = \"bar\", scale = 25, offset = -100)");
   return guess;
 }
 

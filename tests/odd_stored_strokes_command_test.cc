@@ -1,8 +1,7 @@
 // A few strokes that differ from the rest are told of a log and of a database alike.
 
-#include <sstream>
-
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/command_line_fixture.h"
 
@@ -23,7 +22,8 @@ TEST_F(OddStoredStrokes, AreToldOfADatabaseAsOfItsLog) {
     const std::size_t begin = line.find(',') + 1, end = line.find(',', begin);
     const double t = std::stod(line);
     if (t > 20 && t < 27)
-      line.replace(begin, end - begin, std::to_string(static_cast<long>(1.3 * std::stod(line.substr(begin)))));
+      line.replace(begin, end - begin,
+                   std::to_string(static_cast<long>(1.3 * std::stod(line.substr(begin)))));
     text += line + "\n";
   }
   WriteText(File("odd.csv"), text);

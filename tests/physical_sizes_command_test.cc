@@ -60,7 +60,8 @@ TEST_F(PhysicalSizes, ASpoolInSharesThatIsDeclaredAsPerCent) {
 /// All pressures ten times too small fit as well as the right ones; only the modulus tells.
 TEST_F(PhysicalSizes, AScaleOfAllPressuresIsToldByEveryCommandThatConcludes) {
   const std::string log = Simulate("a.csv", 60, 3);
-  const std::string machine = MachineWith("(p_[AB0] *= *\\{[^}]*)unit = \"Pa\"", "$1unit = \"Pa\", scale = 0.1");
+  const std::string machine =
+      MachineWith("(p_[AB0] *= *\\{[^}]*)unit = \"Pa\"", "$1unit = \"Pa\", scale = 0.1");
   const std::string db = File("wrong.db"), page = File("wrong.html");
   const auto said = HasSubstr("check the scales of pressure and position");
   for (const std::vector<std::string>& command : {std::vector<std::string>{"fit", log, "-m", machine},

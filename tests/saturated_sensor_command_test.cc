@@ -52,7 +52,8 @@ TEST_F(SaturatedSensor, IsNoLossOfOil) {
     const std::string said = OneLine(Run({"explain", log, "-m", kMachine}).out);
     EXPECT_THAT(said, AllOf(HasSubstr("ADEQUATE"), HasSubstr("saturat"), Not(HasSubstr("is lost"))))
         << noise_behind;
-    EXPECT_THAT(said, Not(HasSubstr("NOT ALL STROKES"))) << "the readings before the limit is known count as well";
+    EXPECT_THAT(said, Not(HasSubstr("NOT ALL STROKES")))
+        << "the readings before the limit is known count as well";
     const std::string checked = OneLine(Run({"check", log, "-m", kMachine}).out);
     EXPECT_THAT(checked, AllOf(HasSubstr("saturat"), HasSubstr("out_of_range"))) << noise_behind;
     const Ran replayed = Run({"replay", log, "-m", kMachine, "--db", File("cut.db")});

@@ -13,7 +13,11 @@ namespace hydroscope {
 /// that only this tells a wrong one. A sentence; "" of other parameters and of usual ones.
 Told UnusualModulus(const MachineKind& kind, const Estimate& parameter);
 
-/// The same of all parameters that may be believed.
+/// A nominal flow of a valve that none passes: a unit or the piston area is wrong, by a factor of 100, say. A sentence; "" of other
+/// parameters and of flows that are.
+Told ImpossibleFlow(const MachineKind& kind, const Estimate& parameter);
+
+/// Both of all parameters that may be believed.
 std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters);
 
 }  // namespace hydroscope

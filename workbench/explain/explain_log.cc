@@ -179,6 +179,10 @@ void RefuseVerdict(const Told& why, Explanation& x) {
 void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Explanation& x) {
   if (!x.no_verdict.empty()) return;
   const std::vector<Estimate> parameters = BaseParameters(*x.model, x.final, static_cast<int>(strokes));
+  for (const Estimate& e : parameters)
+    if (const Told impossible = ImpossibleFlow(kind, e);
+        e.reason != EstimateReason::kOutsidePhysics && std::isfinite(e.value + e.std) && !impossible.empty())
+      return RefuseVerdict(impossible, x);
   for (Told& unusual : UnusualParameters(kind, parameters)) x.warnings.push_back(std::move(unusual));
   if (x.verdict == Verdict::kUnknown) return;
   const auto wrong = std::ranges::find_if(parameters, [](const Estimate& e) {

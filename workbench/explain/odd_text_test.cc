@@ -36,9 +36,10 @@ ToldOddStrokes Odd(std::vector<std::size_t> strokes) {
 
 TEST(OddText, StrokesOfSeveralLogsAreToldWithTheirLog) {
   const Told text = WhichDiffer(TwoLogs(), {Odd({1, 3, 4, 5, 6, 7})});
-  EXPECT_EQ(text.english,
-            "strokes 1 (of monday.csv, at 5.0 s), 3 (of monday.csv, at 15.0 s), 4 (of monday.csv, at 20.0 s), 5 to 7 (of "
-            "tuesday.csv, 0.0 to 10.0 s) differ from the rest");
+  EXPECT_EQ(
+      text.english,
+      "strokes 1 (of monday.csv, at 5.0 s), 3 (of monday.csv, at 15.0 s), 4 (of monday.csv, at 20.0 s), 5 to 7 (of "
+      "tuesday.csv, 0.0 to 10.0 s) differ from the rest");
   EXPECT_THAT(text.german, HasSubstr("(von monday.csv, bei 5,0 s)"));
   EXPECT_THAT(OddStrokesJson(TwoLogs(), {Odd({4, 5})})[0]["logs"], ElementsAre("monday.csv", "tuesday.csv"));
 }
