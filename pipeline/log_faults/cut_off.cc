@@ -56,8 +56,20 @@ void SaturatedPressures::Observe(const SampleBlock& block) {
   }
 }
 
+/// Keeps every second piece, so that memory stays bounded for any log.
+void SaturatedPressures::Thin() {
+  stride_ *= 2;
+  for (Track& track : tracks_) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < track.pieces.size(); k += 2) track.pieces[kept++] = track.pieces[k];
+    track.pieces.resize(kept);
+  }
+}
+
 void SaturatedPressures::EndPiece() {
   filled_ = 0;
+  if (ended_++ % stride_ != 0) return;
+  if (tracks_.front().pieces.size() >= kMostPieces) Thin();
   const std::vector<double>& z = last_[0];
   const bool moves = std::abs(z.back() - z.front()) > kMoves * NoiseOf(z);
   for (std::size_t t = 0; t < tracks_.size(); ++t) {

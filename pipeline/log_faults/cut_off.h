@@ -44,12 +44,16 @@ class SaturatedPressures {
     std::vector<Piece> pieces;
   };
   void EndPiece();
+  void Thin();
   std::vector<CutOff> Found(const Track& track) const;
 
   static constexpr std::size_t kRows = 10;
+  static constexpr std::size_t kMostPieces = 1
+                                             << 18;  ///< kept; of longer logs every second, fourth, ... piece
   const Machine& machine_;
   std::size_t position_ = 0;  ///< signal that moves with the machine
   std::size_t filled_ = 0;
+  std::size_t ended_ = 0, stride_ = 1;     ///< pieces; one in so many is kept
   std::vector<std::vector<double>> last_;  ///< the readings of the piece under way, position first
   std::vector<Track> tracks_;
 };
