@@ -145,18 +145,24 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
     channels_.push_back(channel);
   }
   hold_ = std::min(hold_, kMostHeld);
+  longest_gap_ = hold_ - kAhead;
+  standstill_ = Standstill::For(machine, sample_period);
+  for (std::size_t c = 0; c < tracks_.size(); ++c) {
+    tracks_[c].held_run = tracks_[c].stuck_rows > 0 ? longest_gap_ : 0;
+    if (standstill_) tracks_[c].held_run = std::max(tracks_[c].held_run, standstill_->Reach(c));
+  }
+  for (const Track& track : tracks_) hold_ = std::max(hold_, track.held_run + kAhead);
   for (Track& track : tracks_) {
     track.held.resize(hold_);
     track.held_quality.resize(hold_);
   }
   held_time_.resize(hold_);
-  standstill_ = Standstill::For(machine, sample_period);
 }
 
 void QualityMonitor::Inspect(SampleBlock& block) {
   const std::size_t coming = block.rows();
   if (coming == 0) return;
-  if (standstill_) standstill_->Judge(block);
+  if (standstill_) JudgeStandstill(block);
   const std::size_t pulse = PulseUnderWay(block), run = RunUnderWay(block);
   const std::size_t total = held_ + coming, kept = std::min({total, hold_, kAhead + std::max(pulse, run)});
   const std::size_t rows = total - kept;
@@ -172,6 +178,14 @@ void QualityMonitor::Inspect(SampleBlock& block) {
   block.Resize(tracks_.size(), rows);
   if (guard_) guard_->Flag(block, rows);
   CountFlags(block, rows);
+}
+
+/// What stands still in `block`, and in the rows held back before it.
+void QualityMonitor::JudgeStandstill(SampleBlock& block) {
+  standstill_->Judge(block);
+  for (const auto& [signal, rows] : standstill_->before())
+    for (std::size_t k = 1; k <= std::min(rows, held_); ++k)
+      tracks_[signal].held_quality[held_ - k] |= quality::kStuck;
 }
 
 /// Rows at the end of `block` and before that may yet turn out to be stuck: those of the longest run of one reading up
@@ -191,8 +205,9 @@ std::size_t QualityMonitor::RunUnderWay(const SampleBlock& block) {
       track.runs.back() = run;
     }
     track.last = x.back();
-    for (std::size_t k = 0; track.stuck_rows > 0 && k < track.runs.size(); ++k)
-      if (track.runs[k] > 1) longest = std::max(longest, track.runs[k] + track.runs.size() - 1 - k);
+    for (std::size_t k = 0; k < track.runs.size(); ++k)
+      if (track.runs[k] > 1)
+        longest = std::max(longest, std::min(track.runs[k] + track.runs.size() - 1 - k, track.held_run));
   }
   return longest;
 }
@@ -338,7 +353,7 @@ void QualityMonitor::FlagStuck(const double* x, std::size_t rows, Track& track, 
 /// Whether the `run` identical readings before `after` stand between two steps that no motion makes.
 bool QualityMonitor::IsFilledGap(const double* after, std::int64_t run, const Track& track) const {
   if (!track.changes_often || track.stuck_rows == 0 || !track.settled ||
-      run + static_cast<std::int64_t>(kAhead) > static_cast<std::int64_t>(hold_))
+      run > static_cast<std::int64_t>(longest_gap_))
     return false;
   const double* first = after - run;
   const double in = first[0] - first[-1], out = after[0] - after[-1];

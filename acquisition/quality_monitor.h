@@ -43,7 +43,8 @@ struct ChannelQuality {
 ///                ten million readings: what a logger holds where it got none.
 ///                Also a run of readings between a step in and a step out again that are as sharp as a spike's, on a
 ///                channel that changes at least every tenth row: a gap that a logger filled with 0 or another constant.
-///                Also a signal that stands still while what drives it moves (acquisition/standstill.h).
+///                Also a signal that stands still while what drives it moves (acquisition/standstill.h), all its
+///                equal readings where it repeats one bit for bit.
 ///   kOutOfRange  as well: a reading exactly at the highest or lowest one seen, where so many pile up that the
 ///                noise is cut off there: a sensor or converter at its limit. On channels whose noise shows.
 ///   kExpression  an expression of the machine file is no finite number on this row (models/expressions/guard.h).
@@ -101,6 +102,7 @@ class QualityMonitor {
     double low = 0, high = 0;               ///< SI, limits
     double known_noise = 0;                 ///< SI, std from the machine file; 0 if not given
     std::int64_t stuck_rows = 0;            ///< identical readings allowed; 0: any number
+    std::size_t held_run = 0;               ///< rows of a run of one reading that are held back at most
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first
     std::vector<double> held;
     std::vector<Quality> held_quality;
@@ -130,6 +132,7 @@ class QualityMonitor {
   void Judge(std::size_t begin, std::size_t end, Track& track);
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
   void DelayTimes(std::size_t rows, std::size_t kept, std::vector<double>& time);
+  void JudgeStandstill(SampleBlock& block);
   std::size_t RunUnderWay(const SampleBlock& block);
   std::size_t PulseUnderWay(const SampleBlock& block);
   void CollectFirst(const double* x, std::size_t rows, Track& track);
@@ -154,6 +157,7 @@ class QualityMonitor {
   std::size_t frame_row_ = 0;   ///< rows given out in the present frame
   std::size_t held_ = 0;        ///< rows held back at present, the last kAhead of them not judged yet
   std::size_t hold_ = kAhead + kLongestPulse;  ///< rows held back at most
+  std::size_t longest_gap_ = 0;                ///< rows that a logger may have filled with a constant
   std::vector<double> held_time_, times_;      ///< s; of rows held back, and with those that came
   std::optional<Standstill> standstill_;  ///< nothing: no signal of this machine is known to follow another
 };

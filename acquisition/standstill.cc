@@ -19,6 +19,12 @@ constexpr double kNoiseFalls = 0.2, kNoiseRises = 1.02;  // share of a quieter p
 constexpr double kCommandMoves = 0.1;                    // of full command
 constexpr double kIgnores = 0.1;                         // share of the movement it is told to make
 constexpr int kPiecesToProve = 4;                        // of each kind of movement
+// Of full command: data sheets of valves state hysteresis and threshold of some tenths of a per cent.
+constexpr double kHysteresis = 0.01;
+constexpr double kResolutions = 2.0;  // that the command moves by, at least
+constexpr double kRunsToBeStuck =
+    25.0;  // as long as equal readings follow one another while the command moves
+constexpr double kChangesToJudge = 100.0;
 
 }  // namespace
 
@@ -59,16 +65,27 @@ void Standstill::Add(const Machine& machine, const StandstillRule& rule) {
     if (!moved) return;
     watch.movements.push_back({*moved, bound});
   }
+  watch.judges_same = watch.command && machine.signals[pieces_[watch.piece].signal].stuck_time > 0;
   watch.full_command = rule.full_command;
   watch.at_stop = rule.at_stop;
   watch.commands.fill(kNaN);
   watches_.push_back(std::move(watch));
 }
 
+std::size_t Standstill::Reach(std::size_t signal) const {
+  for (const Watch& watch : watches_)
+    if (watch.judges_same && pieces_[watch.piece].signal == signal)
+      return std::min(kMostRows, static_cast<std::size_t>(std::lround(kReach * rows_ / piece_time_)));
+  return 0;
+}
+
 void Standstill::Judge(SampleBlock& block) {
   const std::size_t rows = block.rows();
+  before_.clear();
   for (std::size_t row = 0; row < rows;) {
     const std::size_t count = std::min<std::size_t>(rows - row, static_cast<std::size_t>(rows_ - filled_));
+    for (Watch& watch : watches_)
+      if (watch.judges_same) Follow(row, row + count, watch, block);
     for (Piece& piece : pieces_) {
       const double* x = block.signal[piece.signal].data() + row;
       double sum = 0, steps = 0, last = piece.last;
@@ -85,11 +102,34 @@ void Standstill::Judge(SampleBlock& block) {
     for (const Watch& watch : watches_) Flag(watch, row, row + count, block);
     row += count;
     filled_ += static_cast<int>(count);
-    if (filled_ == rows_) EndPiece();
+    if (filled_ == rows_) EndPiece(row, block);
   }
 }
 
-void Standstill::EndPiece() {
+/// Counts equal readings, and flags those of a run that is known to be stuck.
+void Standstill::Follow(std::size_t begin, std::size_t end, Watch& watch, SampleBlock& block) const {
+  const Piece& piece = pieces_[watch.piece];
+  Same& same = watch.same;
+  double last = piece.last;
+  for (std::size_t row = begin; row < end; ++row) {
+    const double step = std::abs(block.signal[piece.signal][row] - last);
+    last = block.signal[piece.signal][row];
+    if (step == 0) {
+      ++same.rows;
+      if (same.proven) block.quality[piece.signal][row] |= quality::kStuck;
+      continue;
+    }
+    if (same.proven) watch.run = {};
+    same.rows = 1;
+    same.proven = false;
+    if (!(step > 0)) continue;
+    ++same.changes;
+    if (same.resolution == 0 || step < same.resolution) same.resolution = step;
+  }
+}
+
+/// `rows` of the block have been seen.
+void Standstill::EndPiece(std::size_t rows, SampleBlock& block) {
   filled_ = 0;
   for (Piece& piece : pieces_) {
     piece.before = piece.mean;
@@ -103,6 +143,7 @@ void Standstill::EndPiece() {
     piece.sum = piece.steps = 0;
   }
   for (Watch& watch : watches_) {
+    if (watch.judges_same) JudgeSame(rows, watch, block);
     const bool stays = Extend(pieces_[watch.piece], watch.run);
     if (watch.command) JudgeCommand(watch, stays);
     if (!watch.movements.empty()) JudgeMovements(watch, stays);
@@ -141,6 +182,39 @@ void Standstill::JudgeCommand(Watch& watch, bool stays) const {
   const double told = (watch.command_high - watch.command_low) / watch.full_command;
   const bool ignores = watch.run.high - watch.run.low < kIgnores * told;
   if (stays && !at_stop && ignores && told >= kCommandMoves) watch.run.stands = true;
+}
+
+/// Commands count from when the readings are equal, and as late as the signal had time to follow.
+void Standstill::JudgeSame(std::size_t rows, Watch& watch, SampleBlock& block) {
+  Same& same = watch.same;
+  const Piece& command = pieces_[*watch.command];
+  const double moved = std::abs(command.mean - command.before) / watch.full_command;
+  if (command.whole && moved > kHysteresis / 10 && !same.proven) {
+    same.moving_rows += rows_;
+    same.moving_changes += static_cast<double>(same.changes);
+  }
+  same.changes = 0;
+  const double followed = watch.commands.front();
+  if (same.rows <= static_cast<std::size_t>((kLag + 1) * rows_)) {
+    same.command_low = same.command_high = kNaN;
+    return;
+  }
+  if (std::isfinite(followed)) {
+    same.command_low = std::fmin(same.command_low, followed);
+    same.command_high = std::fmax(same.command_high, followed);
+  }
+  const bool at_stop = watch.at_stop > 0 && std::abs(pieces_[watch.piece].last) >= watch.at_stop;
+  if (same.proven || at_stop || same.moving_changes < kChangesToJudge) return;
+  const double longest = kRunsToBeStuck * same.moving_rows / same.moving_changes;
+  const double noise = kRangeOfNoise * std::sqrt(std::max(0.0, command.noise) / rows_);
+  const double told = (same.command_high - same.command_low - noise) / watch.full_command;
+  if (static_cast<double>(same.rows) <= longest ||
+      !(told > std::max(kHysteresis, kResolutions * same.resolution)))
+    return;
+  same.proven = true;
+  const std::size_t signal = pieces_[watch.piece].signal, back = std::min(same.rows, Reach(signal));
+  for (std::size_t k = 1; k <= std::min(back, rows); ++k) block.quality[signal][rows - k] |= quality::kStuck;
+  if (back > rows) before_.push_back({signal, back - rows});
 }
 
 void Standstill::JudgeMovements(Watch& watch, bool stays) const {

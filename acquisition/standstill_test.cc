@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "acquisition/quality_monitor.h"
@@ -80,6 +81,77 @@ TEST(Standstill, ASpoolThatIsFrozenButForItsNoiseIsFlagged) {
   EXPECT_EQ(Stuck(flags, 0, 4900), 0);
   EXPECT_GT(Stuck(flags, 5000, 10000), 3500);
   EXPECT_LT(Stuck(flags, 10100, flags.size()), 1);
+}
+
+/// The spool follows its command as a valve does, read with a resolution of 1e-6 and next to no noise.
+void FollowSmoothly(SampleBlock& rows) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0, 1e-5);
+  double spool = 0;
+  for (std::size_t k = 0; k < rows.rows(); ++k) {
+    spool += 0.2 * (rows.signal[kCommand][k] / 10 - spool);
+    rows.signal[kSpool][k] = std::round((spool + noise(random)) * 1e6) / 1e6;
+  }
+}
+
+/// A spool whose reading repeats bit for bit for 0.6 s now and then.
+std::vector<std::size_t> Freeze(std::vector<double>& y, std::size_t first) {
+  constexpr std::size_t kFrozen = 300;
+  std::vector<std::size_t> begins;
+  for (std::size_t at = first; at + kFrozen < y.size(); at += 2471) {
+    std::fill_n(y.begin() + static_cast<std::ptrdiff_t>(at), kFrozen, y[at]);
+    begins.push_back(at);
+  }
+  return begins;
+}
+
+TEST(Standstill, ASpoolThatRepeatsItsReadingUnderAMovingCommandIsFlaggedFromItsFirstEqualReadingOn) {
+  SampleBlock rows = Press(4, 60);
+  FollowSmoothly(rows);
+  const std::vector<std::size_t> begins = Freeze(rows.signal[kSpool], 3000);
+  ASSERT_GE(begins.size(), 10u);
+  const auto flags = Flags(rows, kSpool);
+  std::int64_t frozen = 0;
+  for (const std::size_t begin : begins) {
+    EXPECT_EQ(Stuck(flags, begin, begin + 300), 300) << begin;
+    frozen += 300;
+  }
+  EXPECT_EQ(Stuck(flags, 0, flags.size()), frozen);
+}
+
+TEST(Standstill, WhatIsFlaggedDoesNotDependOnTheBlocks) {
+  SampleBlock rows = Press(5, 20);
+  FollowSmoothly(rows);
+  Freeze(rows.signal[kSpool], 3001);
+  const auto flags = Flags(rows, kSpool);
+  EXPECT_GT(Stuck(flags, 0, flags.size()), 500);
+  for (const std::size_t block : {1, 7, 64}) EXPECT_EQ(Flags(rows, kSpool, block), flags) << block;
+}
+
+TEST(Standstill, ASpoolThatStandsBecauseItsCommandStandsIsNotFlagged) {
+  SampleBlock rows = Press(6, 30);
+  std::vector<double>&y = rows.signal[kSpool], &command = rows.signal[kCommand];
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> noise(0, 0.01);
+  for (std::size_t at = 3000; at + 1000 < command.size(); at += 2500)
+    std::fill_n(command.begin() + static_cast<std::ptrdiff_t>(at), 600, command[at]);
+  double spool = 0;
+  for (std::size_t k = 0; k < y.size(); ++k) {
+    spool += 0.2 * (command[k] / 10 - spool);
+    y[k] = std::round(spool * 1e4) / 1e4;
+    command[k] += noise(random);
+  }
+  const auto flags = Flags(rows, kSpool);
+  EXPECT_EQ(Stuck(flags, 0, flags.size()), 0);
+}
+
+TEST(Standstill, ACoarseSpoolIsNotFlagged) {
+  for (const double step : {1.0 / 2048, 1.0 / 128, 1.0 / 32}) {
+    SampleBlock rows = Press(7, 30);
+    for (double& y : rows.signal[kSpool]) y = std::round(y / step) * step;
+    const auto flags = Flags(rows, kSpool);
+    EXPECT_EQ(Stuck(flags, 0, flags.size()), 0) << step;
+  }
 }
 
 TEST(Standstill, APressureThatIsFrozenButForItsNoiseIsFlaggedFromItsFirstStrokeOn) {

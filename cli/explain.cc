@@ -86,7 +86,7 @@ void AddSides(const std::string& note, const StrokeHistory& before, const Stroke
 Status ExplainWhole(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
                     Explained& out) {
   const auto history = TRY(LoadHistory(database, a.history.db, choice.parts, choice.machine));
-  auto result = TRY(ExplainHistory(history));
+  auto result = TRY(ExplainHistoryButForOdd(history));
   result.described = HistoryLine(history);
   result.target = choice.target;
   if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1) {

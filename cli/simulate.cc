@@ -156,9 +156,9 @@ Status SendLog(const SentLog& wanted) {
     while (!done.stop_requested())
       if (sigtimedwait(&signals, nullptr, &look) > 0) stop.request_stop();
   });
-  std::cout << "waiting for a reader: " << sender.Announcement() << std::endl;
+  if (!IsQuiet()) std::cout << "waiting for a reader: " << sender.Announcement() << std::endl;
   const Status sent = sender.Run(stop.get_token());
-  std::cout << sender.Outcome() << std::endl;
+  if (!IsQuiet()) std::cout << sender.Outcome() << std::endl;
   return sent;
 }
 

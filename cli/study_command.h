@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "host/output.h"
+
 namespace hydroscope {
 
 /// Adds a study to `benchmark`, to run by `run`; returns its command, for options and examples, and what these set.
@@ -14,7 +16,10 @@ std::pair<CLI::App*, std::shared_ptr<Options>> AddStudy(CLI::App& benchmark, con
                                                         int (*run)(const Options&), int& exit_code) {
   CLI::App* command = benchmark.add_subcommand(name, purpose);
   const auto options = std::make_shared<Options>();
-  command->callback([options, run, &exit_code] { exit_code = run(*options); });
+  command->callback([options, run, &exit_code] {
+    const DroppedOutput none;  // of --quiet: the exit code tells whether a study reached its goals
+    exit_code = run(*options);
+  });
   return {command, options};
 }
 

@@ -174,6 +174,7 @@ std::string StatedText(const MachineTrends& trends) {
   for (const TrendSummary& s : trends.summaries)
     if (!s.not_trusted.empty()) text += fmt::format("{}: {}\n", s.parameter, s.not_trusted.english);
   if (!text.empty()) text = "\nNot identifiable\n" + text;
+  for (const Told& unusual : trends.unusual) text += fmt::format("\nWARNING: {}\n", unusual.english);
   if (!trends.assumed.empty()) text += "\n";
   for (const AssumedTolerance& assumed : trends.assumed) text += AssumedText(assumed) + "\n";
   return text;
@@ -279,6 +280,7 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
     alarms.push_back({{"alarm", alarm.id}, {"first_stroke", alarm.first_stroke}});
   return written && sink.Write("\n], \"summary\": " + JsonText(summary, 1) +
                                ", \"assumed_tolerances\": " + JsonText(AssumedJson(trends.assumed), 1) +
+                               ", \"warnings\": " + JsonText(InEnglish(trends.unusual), 1) +
                                ", \"alarms\": " + JsonText(alarms, 1) + "}");
 }
 

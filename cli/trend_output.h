@@ -23,6 +23,7 @@ struct MachineTrends {
   std::vector<TrendSummary> summaries;
   std::vector<AssumedTolerance> assumed;  ///< tolerances that the intervals of the newest estimates rest on
   CountedWords counted;                   ///< what its points stand for
+  std::vector<Told> unusual;              ///< what makes the newest estimates doubtful
   std::vector<AlarmState> alarms;         ///< of the drift watch, that tell a change and stand
 };
 

@@ -101,6 +101,7 @@ void StateSummaries(const Database& database, const Machine& machine, MachineTre
       summary.confounded = *c;
   }
   trends.assumed = stated->assumed;
+  trends.unusual = stated->unusual;
 }
 
 Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {

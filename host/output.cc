@@ -1,5 +1,6 @@
 #include "host/output.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -82,6 +83,26 @@ std::size_t LineWidth() {
 }
 
 void BeQuiet() { quiet = true; }
+bool IsQuiet() { return quiet; }
+
+DroppedOutput::DroppedOutput() {
+  if (!quiet) return;
+  std::cout.flush();
+  std::fflush(stdout);
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere < 0) return;
+  stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+  if (stdout_ >= 0) dup2(nowhere, STDOUT_FILENO);
+  close(nowhere);
+}
+
+DroppedOutput::~DroppedOutput() {
+  if (stdout_ < 0) return;
+  std::cout.flush();
+  std::fflush(stdout);
+  dup2(stdout_, STDOUT_FILENO);
+  close(stdout_);
+}
 
 void ListenToProgress(ProgressListener listener) { Listener() = std::move(listener); }
 

@@ -32,6 +32,19 @@ void Say(const std::string& text);
 void SayBeside(const std::string& text);
 /// From now on Say and ProgressBar are silent; errors still go to stderr.
 void BeQuiet();
+bool IsQuiet();
+
+/// While it lives, whatever is written to stdout is dropped after BeQuiet: of what prints tables without Say.
+class DroppedOutput {
+ public:
+  DroppedOutput();
+  ~DroppedOutput();
+  DroppedOutput(const DroppedOutput&) = delete;
+  DroppedOutput& operator=(const DroppedOutput&) = delete;
+
+ private:
+  int stdout_ = -1;  ///< where it goes to otherwise
+};
 
 /// Progress on stderr with rate and time left; silent when stderr is no terminal, and after BeQuiet.
 class ProgressBar {

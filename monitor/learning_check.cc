@@ -8,10 +8,10 @@
 #include <cmath>
 #include <set>
 
-#include "diagnosis/odd_strokes.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "pipeline/log_faults/physical_sizes.h"
+#include "pipeline/log_faults/usual_modulus.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/raw_log.h"
 #include "pipeline/run_summary.h"
@@ -96,16 +96,18 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result, bool n
        x.may_be_noise || !noise_known || KindOf(result->log.machine).own_library}};
 }
 
+/// Drift is relative, so a scale that is wrong throughout is said and stops nothing.
+std::vector<LearningDoubt> OfParameters(const MachineKind& kind, const ExplainResult& result) {
+  std::vector<LearningDoubt> doubts;
+  for (Told& unusual : UnusualParameters(kind, result.base.parameters))
+    doubts.push_back({Kind::kUnexplained, std::move(unusual), true});
+  return doubts;
+}
+
 /// Where the model describes all but a few strokes, these are none of the healthy machine: a sensor that stood still for a while,
 /// or what went on in one bad stretch.
 std::vector<LearningDoubt> OfOddStrokes(const StrokeHistory& history, const Explanation& x) {
-  if (x.verdict != Verdict::kUnknown || !x.no_verdict.empty() || !x.base.solved) return {};
-  ExplainOptions options = OptionsForEquations({}, history.equations());
-  options.start = history.machine.added_effects;
-  options.noise_scale = x.noise_scale;
-  options.evidence_scale = x.evidence_scale;
-  const auto parted = ExplainOddStrokes(
-      StrokeSet(x.model, history.units, history.window, history.noise_scale), x, options, {});
+  const auto parted = ButForOddUnits(history, x);
   if (!parted || parted->odd_strokes.empty()) return {};
   std::vector<std::string> odd;
   for (const OddStrokes& some : parted->odd_strokes)
@@ -233,6 +235,7 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
       history ? ExplainHistory(*history) : Result<ExplainResult>(tl::unexpected(history.error()));
   Append(doubts, OfVerdict(result, !history || history->noise_known));
   if (result) Append(doubts, OfOddStrokes(*history, result->explanation));
+  if (result) Append(doubts, OfParameters(KindOf(machine), *result));
   const auto are_there = [&](Kind kind) {
     return std::ranges::find(doubts, kind, &LearningDoubt::kind) != doubts.end();
   };

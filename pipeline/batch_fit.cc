@@ -1,13 +1,13 @@
 #include "pipeline/batch_fit.h"
 
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "pipeline/log_faults/broken_strokes.h"
 #include "pipeline/log_faults/physical_sizes.h"
-#include "pipeline/log_faults/sensor_ends.h"
 #include "pipeline/log_faults/stuck_signal.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
@@ -116,7 +116,9 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
 namespace {
 
 /// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h). `period`: of the logs before, 0 = none.
-Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
+/// A log in which sensors turn out to end is read again, without their readings there.
+Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period,
+                           const std::vector<CutOff>& known = {}) {
   if (ClosedLoopOf(stated) != nullptr)
     return BadInput(Tell(
         "machine '{}': a {} is judged by its frequency response at the command line: `hydroscope frf LOG --machine FILE` measures "
@@ -134,10 +136,14 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   StrokeCollector collector(machine, keep);
   auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(), collector.Sink()));
   pipeline->set_tap(collector.Tap());
-  const auto pass = TRY(PassLog(*reader, machine, pipeline.get(), "reading"));
+  LogPassHooks hooks;
+  hooks.known_cut_offs = known;
+  const auto pass = TRY(PassLog(*reader, machine, pipeline.get(), "reading", hooks));
   if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
   if (!pass.no_verdict.empty()) return BadInput(Tell("{}: {}", "{}: {}", log, pass.no_verdict));
+  if (known.empty() && !pass.cut_offs.empty()) return ReadOne(log, stated, keep, period, pass.cut_offs);
   LogStrokes out = collector.Finish(*pipeline);
+  out.log_names = {std::filesystem::path(log).filename().string()};
   out.reader = reader->counters();
   // Where too few strokes for a verdict are left, the time stamps may be the cause.
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
@@ -149,7 +155,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (const Told broken = BrokenUp(pass.channels, machine, std::ssize(out.strokes), out.discarded_strokes);
       !broken.empty())
     out.swapped.push_back(Tell("{}: {}", "{}: {}", log, broken));
-  for (const Told& end : CutOffTexts(pass.channels, machine)) out.notes.push_back(log + ": " + end.english);
+  for (const CutOff& cut : pass.cut_offs) out.notes.push_back(log + ": " + cut.text.english);
   out.stuck = StuckSignal(pass.summary, machine, *out.model);
   for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
@@ -161,6 +167,7 @@ void Append(LogStrokes next, LogStrokes& all) {
   // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
   if (all.stretches.size() < all.strokes.size()) next.stretches.clear();
   Label(next, all.logs++);
+  all.log_names.insert(all.log_names.end(), next.log_names.begin(), next.log_names.end());
   MoveTime(next, LastTime(all));
   const auto offset = static_cast<std::int64_t>(all.strokes.size());
   for (StrokeRecord& stroke : next.strokes) {

@@ -22,7 +22,8 @@ struct LogStrokes {
   std::vector<StrokeRecord> strokes;
   StrokeCounters totals;
   std::int64_t discarded_strokes = 0;
-  int logs = 1;  ///< taken together; StrokeGram::log and Stretch::log count them
+  std::vector<std::string> log_names;  ///< file names of these, in order; empty: of a database
+  int logs = 1;                        ///< taken together; StrokeGram::log and Stretch::log count them
   LogCounters reader;
   WindowSamples window;
   std::shared_ptr<const ModelStructure> model;

@@ -53,7 +53,7 @@ void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass
 Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
                         const std::string& what, const LogPassHooks& hooks) {
   LogPass pass;
-  QualityMonitor monitor(machine, reader.SamplePeriod());
+  QualityMonitor monitor(Within(machine, hooks.known_cut_offs), reader.SamplePeriod());
   std::optional<RepeatedRows> repeated;
   std::optional<StraightRuns> straight;
   if (hooks.distrust_logger) {
@@ -62,6 +62,8 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   }
   ReadingFaults faults(machine, reader.SamplePeriod());
   SwappedPressures swapped(machine);
+  std::optional<SaturatedPressures> saturated;
+  if (hooks.distrust_logger && hooks.known_cut_offs.empty()) saturated.emplace(machine);
   const auto judge = [&](SampleBlock& block) {
     if (straight) straight->Inspect(block);
     monitor.Inspect(block);
@@ -69,6 +71,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   const auto pass_on = [&](const SampleBlock& block) {
     faults.Observe(block, monitor.channels());
     swapped.Observe(block);
+    if (saturated) saturated->Observe(block);
     return PassBlock(block, pipeline, hooks);
   };
   ProgressBar progress(what, "rows");
@@ -104,6 +107,13 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   pass.no_verdict = faults.NoVerdict();
   pass.echoes = faults.Echoes();
   pass.swapped = swapped.Sentences();
+  pass.cut_offs = hooks.known_cut_offs;
+  if (pass.cut_offs.empty()) pass.cut_offs = CutOffsOf(pass.channels, machine);
+  if (saturated)
+    for (CutOff& cut : saturated->Found())
+      if (std::ranges::none_of(
+              pass.cut_offs, [&](const CutOff& other) { return other.upper && other.signal == cut.signal; }))
+        pass.cut_offs.push_back(std::move(cut));
   return pass;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "pipeline/log_faults/cut_off.h"
 #include "pipeline/log_faults/reading_faults.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/run_summary.h"
@@ -19,7 +20,8 @@ struct LogPass {
   std::int64_t copied_rows = 0;          ///< flagged as repeating earlier ones (acquisition/repeated_rows.h)
   Told no_verdict;                       ///< ReadingFaults::NoVerdict
   std::vector<ReadingFaults::Echo> echoes;
-  std::vector<Told> swapped;  ///< SwappedPressures::Sentences
+  std::vector<Told> swapped;     ///< SwappedPressures::Sentences
+  std::vector<CutOff> cut_offs;  ///< those that were known, else those seen
 };
 
 struct LogPassHooks {
@@ -30,6 +32,8 @@ struct LogPassHooks {
   /// Whether to look for what no source sent: rows that repeat earlier ones, readings drawn between others. The live service does
   /// not look for them, nor does what replays it bit by bit.
   bool distrust_logger = true;
+  /// Of an earlier pass over the same log: readings beyond are flagged from the first one on.
+  std::vector<CutOff> known_cut_offs;
 };
 
 /// What the monitor saw of each channel, into pass.channels and the summary.

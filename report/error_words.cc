@@ -47,6 +47,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
     out.push_back(fmt::format(
         "The record mixes versions {} of the model: the error of each {} is that of the version it was recorded with.",
         fmt::join(versions, ", "), counted.one));
+  for (const Told& unusual : input.unusual) out.push_back(EscapeText(unusual.english) + ".");
   if (!input.not_judged.empty()) {
     out.push_back(fmt::format("The model cannot be judged on these {}: {}.", counted.many,
                               EscapeText(input.not_judged)));

@@ -34,6 +34,7 @@ struct ReportInput : RecordedHistory {
   double noise_floor = 0, rms_holdout = 0;  ///< SI of the output; 0 = take the medians over the strokes
   std::vector<Estimate> latest;             ///< after the last stroke, as they are stated (StateEstimates)
   std::vector<Confounding> confounded;      ///< of them
+  std::vector<Told> unusual;                ///< of them, what makes them doubtful
   /// Why the error of the model says nothing (ImpossibleFigures, Explanation::no_verdict), "" if it does.
   std::string not_judged;
   std::optional<ErrorFinding> found;  ///< by the explanation; nothing = no verdict

@@ -236,6 +236,11 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
   for (const Told& swapped : pass.swapped) replay.summary.warnings.push_back(swapped.english);
+  for (const CutOff& cut : pass.cut_offs) {
+    replay.summary.warnings.push_back(cut.text.english);
+    // Seen only when the log was over.
+    if (cut.narrow && replay.summary.impossible.empty()) replay.summary.impossible = cut.text.english;
+  }
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(
         fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,

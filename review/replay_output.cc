@@ -117,6 +117,7 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                         : e.reason == EstimateReason::kUpdated ? ""
                                                                : fmt::format(" {}", ReasonText(e.reason)));
   }
+  for (const Told& unusual : outcome.stated.unusual) text += fmt::format("WARNING: {}\n", unusual.english);
   for (const AssumedTolerance& assumed : outcome.stated.assumed) text += AssumedText(assumed) + "\n";
   const DisplayUnit unit = UnitOfErrors(outcome.machine);
   if (outcome.stated.figures.clusters.unit != ClusterUnit::kStroke)
@@ -261,6 +262,7 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"strokes", outcome.strokes},
           {"parameters", std::move(parameters)},
           {"assumed_tolerances", AssumedJson(outcome.stated.assumed)},
+          {"warnings", InEnglish(outcome.stated.unusual)},
           {"watch", WatchJson(outcome.watch)},
           {"rms_holdout", error(figures.rms_holdout)},
           {"noise_floor", error(figures.noise_floor)},

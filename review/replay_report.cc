@@ -189,6 +189,7 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   if (figures.strokes > 0) input.not_judged = ImpossibleFigures(figures).english;
   input.latest = outcome.latest;
   input.confounded = outcome.stated.confounded;
+  input.unusual = outcome.stated.unusual;
   return input;
 }
 

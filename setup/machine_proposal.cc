@@ -210,7 +210,10 @@ class Proposer {
       why = Tell("{}; often repeats a reading, so it is never taken for stuck",
                  "{}; wiederholt oft einen Wert, gilt darum nie als hängend", why);
     }
-    notes_.signals[name] = why.english + (sure ? "" : "  <-- check");
+    notes_.signals[name] =
+        why.english + (!guess.to_fill_in.empty() ? "  <-- FILL IN its unit, scale and offset, as said above"
+                       : sure                    ? ""
+                                                 : "  <-- check");
     machine().signals.push_back(spec);
     result_.columns.push_back({name, column.name, guess.unit, why, sure});
   }
@@ -250,17 +253,28 @@ class Proposer {
 
   /// In a machine of the user's own every column of numbers is a signal, under its name made fit for expressions.
   void AddOtherColumns() {
+    std::vector<std::size_t> others;
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& column = head_.columns[i];
       const bool row_counter = column.rising && column.step == 1;
-      if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
+      if (column.numeric() && !column.date && !row_counter && !IsUsed(i)) others.push_back(i);
+    }
+    const bool loops = AreCurrentLoops(head_, others);
+    Told to_fill_in;
+    for (const std::size_t i : others) {
+      const LogColumn& column = head_.columns[i];
       const std::string written = WrittenUnit(column);
-      const bool known = !written.empty();
-      const UnitGuess guess = known ? AsWritten(written, column)
-                                    : UnitGuess{"1", 1, 0, Told("unit unknown", "Einheit unbekannt"), false};
+      const bool loop = loops && (written.empty() || written == "mA");
+      const bool known = !written.empty() && !loop;
+      const UnitGuess guess = loop ? UnknownCurrentLoop(column)
+                              : known
+                                  ? AsWritten(written, column)
+                                  : UnitGuess{"1", 1, 0, Told("unit unknown", "Einheit unbekannt"), false};
+      if (to_fill_in.empty()) to_fill_in = guess.to_fill_in;
       AddSignal(FreeName(column.name), column, guess, guess.why, known);
       others_.push_back(i);
     }
+    if (!to_fill_in.empty()) result_.open.push_back(to_fill_in);
   }
   std::string FreeName(const std::string& column) {
     std::string name;

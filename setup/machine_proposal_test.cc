@@ -330,6 +330,28 @@ TEST(MachineProposal, TakesCurrentLoopsForAGuess) {
   ExpectLoads(proposal);
 }
 
+/// Columns of which neither name nor motion tells what they are, in mA of transmitters.
+TEST(MachineProposal, BareCurrentLoopsAreToBeFilledIn) {
+  const auto loop = [](double share) { return 4 + 16 * share; };
+  const MachineProposal proposal = Propose(PressLog("t,AI_0,AI_1,AI_2\n", [&](const PressRow& r) {
+    return fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", r.t, loop(r.p_A / 400e5), loop(0.5 + r.y_v / 2),
+                       loop(0.4));
+  }));
+  for (const char* name : {"AI_0", "AI_1", "AI_2"}) {
+    const SignalSpec& spec = proposal.machine.signals[proposal.machine.SignalIndex(name)];
+    EXPECT_DOUBLE_EQ(4 * spec.scale + spec.offset, 0) << name;
+    EXPECT_DOUBLE_EQ(20 * spec.scale + spec.offset, 1) << name;
+  }
+  EXPECT_THAT(proposal.text, HasSubstr("<-- FILL IN its unit, scale and offset"));
+  EXPECT_THAT(proposal.text,
+              HasSubstr("TO DO BY YOU: [signals], lines marked FILL IN: the columns look like 4 ... 20 mA"));
+  // Numbers beyond are none.
+  const MachineProposal others = Propose(PressLog("t,AI_0,AI_1\n", [&](const PressRow& r) {
+    return fmt::format("{:.4f},{:.4f},{:.4f}", r.t, loop(r.p_A / 400e5), 30 * r.y_v);
+  }));
+  EXPECT_EQ(others.text.find("4 ... 20 mA"), std::string::npos) << others.text;
+}
+
 TEST(MachineProposal, GuessesColumnsWithoutTellingNamesAndSaysSo) {
   const MachineProposal proposal = Propose(PressLog("Time,AI_0,AI_1,AI_2,AI_3,AI_4\n", [](const PressRow& r) {
     return fmt::format("{:.4f},{:.3f},{:.4f},{:.5f},{:.3f},{:.4f}", r.t, r.p_0 / 1e5, r.z * 1e3, r.y_v,

@@ -209,6 +209,42 @@ UnitGuess CurrentLoop(const char* unit, double range, const Told& seen) {
           false};
 }
 
+}  // namespace
+
+bool AreCurrentLoops(const LogColumns& head, const std::vector<std::size_t>& columns) {
+  constexpr double kMovesBy = 2;  ///< mA, at least one of them
+  int loops = 0;
+  bool moves = false;
+  for (const std::size_t at : columns) {
+    const LogColumn& column = head.columns[at];
+    const std::string written = WrittenUnit(column);
+    if (!written.empty() && written != "mA") continue;
+    if (column.low < kLoopLow || column.high > kLoopHigh) return false;
+    ++loops;
+    moves = moves || column.span() > kMovesBy;
+  }
+  return loops > 1 && moves;
+}
+
+UnitGuess UnknownCurrentLoop(const LogColumn& column) {
+  UnitGuess guess{
+      "1", 1.0 / 16, -0.25,
+      Tell("{}: 4 ... 20 mA of a sensor of unknown range, taken as 0 ... 1 of it",
+           "{}: 4 ... 20 mA eines Sensors mit unbekanntem Messbereich, als 0 ... 1 davon genommen",
+           Size(column)),
+      false};
+  guess.to_fill_in = Tell(
+      "[signals], lines marked FILL IN: the columns look like 4 ... 20 mA; write for each the range on its sensor's plate, from LOW at "
+      "4 mA to HIGH at 20 mA: its unit, scale = (HIGH - LOW)/16 and offset = LOW - 4*scale (0 ... 400 bar: unit = \"bar\", scale = "
+      "25, offset = -100)",
+      "[signals], Zeilen mit FILL IN: die Spalten sehen nach 4 ... 20 mA aus; für jede den Messbereich vom Typenschild des Sensors "
+      "eintragen, von UNTEN bei 4 mA bis OBEN bei 20 mA: Einheit, scale = (OBEN - UNTEN)/16 und offset = UNTEN - 4*scale (0 ... 400 "
+      "bar: unit = \"bar\", scale = 25, offset = -100)");
+  return guess;
+}
+
+namespace {
+
 /// Units that logs are written in, and how large the signals of machines are at most and at least, SI.
 struct UsualUnits {
   std::string_view si;

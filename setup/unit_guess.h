@@ -14,8 +14,9 @@ struct UnitGuess {
   std::string unit;
   double scale = 1.0;
   double offset = 0.0;
-  Told why;          ///< "unit in the header", "values up to 2.1e7 can only be Pa", ...
-  bool sure = true;  ///< false: have a look
+  Told why;              ///< "unit in the header", "values up to 2.1e7 can only be Pa", ...
+  bool sure = true;      ///< false: have a look
+  Told to_fill_in = {};  ///< what only the user knows, and what to write; "" = nothing
 };
 /// Sizes that help with other columns' units.
 struct SharedSizes {
@@ -42,6 +43,12 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
 /// Unit of a column that is a signal of a kind of machine: from the header or name (1/min of a shaft counts revolutions); else
 /// the one of the usual units in which its size is plausible for that signal. Sure where only one is.
 UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column);
+
+/// Whether the columns of a log without a meaning are those of 4 ... 20 mA transmitters: their names and headers say no unit (or
+/// mA), and all of them that move lie where such a current does.
+bool AreCurrentLoops(const LogColumns& head, const std::vector<std::size_t>& columns);
+/// A current loop of an unknown sensor: its share of a range that only the plate on the sensor tells.
+UnitGuess UnknownCurrentLoop(const LogColumn& column);
 
 /// Sizes of the columns that have these roles.
 SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles);

@@ -50,6 +50,35 @@ TEST_F(PhysicalSizes, AWrongUnitOfThePositionOrTheSpool) {
                 AllOf(HasSubstr("signal z"), HasSubstr("unit = \"m\"")));
 }
 
+TEST_F(PhysicalSizes, ASpoolInSharesThatIsDeclaredAsPerCent) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  ExpectRefused(
+      log, MachineWith("\ny_v( *= *\\{[^}]*)unit = \"1\"", "\ny_v$1unit = \"%\""),
+      AllOf(HasSubstr("signal y_v (column y_v)"), HasSubstr("reaches 0."), HasSubstr("set unit = \"1\"")));
+}
+
+/// All pressures ten times too small fit as well as the right ones; only the modulus tells.
+TEST_F(PhysicalSizes, AScaleOfAllPressuresIsToldByEveryCommandThatConcludes) {
+  const std::string log = Simulate("a.csv", 60, 3);
+  const std::string machine =
+      MachineWith("(p_[AB0] *= *\\{[^}]*)unit = \"Pa\"", "$1unit = \"Pa\", scale = 0.1");
+  const std::string db = File("wrong.db"), page = File("wrong.html");
+  const auto said = HasSubstr("check the scales of pressure and position");
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"fit", log, "-m", machine},
+                                                  {"check", log, "-m", machine},
+                                                  {"explain", log, "-m", machine},
+                                                  {"compare", log, "-m", machine},
+                                                  {"replay", log, "-m", machine, "--db", db},
+                                                  {"trends", "--db", db},
+                                                  {"explain", "--db", db},
+                                                  {"compare", "--db", db}}) {
+    const Ran ran = Run(command);
+    EXPECT_THAT(std::regex_replace(ran.out, std::regex("\\s+"), " "), said) << command.front() << ran.err;
+  }
+  ASSERT_EQ(Run({"report", "--db", db, "--out", page}).exit_code, 0);
+  EXPECT_THAT(ReadText(page), said);
+}
+
 TEST_F(PhysicalSizes, AWrongUnitOfTheTime) {
   const std::string log = Simulate("a.csv", 30, 3);
   WriteText(File("ms.toml"), ReadText(kMachine) + "");

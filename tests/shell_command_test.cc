@@ -64,5 +64,17 @@ TEST_F(Shell, QuietSaysNothingAndWritesEverything) {
   EXPECT_THAT(Run({"fit", File("no.csv"), "-m", kMachine, "--quiet"}).err, Not(testing::IsEmpty()));
 }
 
+TEST_F(Shell, QuietStudiesTellByTheirExitCodeAlone) {
+  const std::vector<std::string> study = {"benchmark", "coverage", "--cases", "1", "--seconds", "20"};
+  const Ran told = Run(study);
+  EXPECT_THAT(told.out, HasSubstr("NOT every"));
+  std::vector<std::string> quietly = study;
+  quietly.emplace_back("--quiet");
+  const Ran ran = Run(quietly);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err, "");
+  EXPECT_EQ(ran.exit_code, told.exit_code);
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -157,6 +157,10 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
       fit->fit.noise.size() == 1 ? fit->fit.scale[0] : 1.0;
 }
 
+/// `known`: where sensors end, of an earlier look at the same log.
+Result<CheckResult> LookAt(const std::string& log, const Machine& machine,
+                           const std::vector<CutOff>& known = {});
+
 }  // namespace
 
 bool CheckResult::Clean() const {
@@ -172,6 +176,12 @@ bool CheckResult::NothingIdentified() const {
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
   auto machine = TRY(LoadMachine(machine_file));
   AssumeTolerances(machine);
+  return LookAt(log, machine);
+}
+
+namespace {
+
+Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const std::vector<CutOff>& known) {
   auto reader = TRY(OpenRecording(log, machine));
   CheckResult check;
   check.log = log;
@@ -195,6 +205,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   SignalSurvey survey(check.machine, check.sample_period);
   const std::vector<std::size_t> inputs = StateInputs(check.machine);
   LogPassHooks hooks;
+  hooks.known_cut_offs = known;
   hooks.observe = [&](const SampleBlock& block) {
     survey.Observe(inputs.empty() ? block : AsEpisodesTake(block, inputs));
   };
@@ -202,6 +213,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   if (pass.summary.rows == 0)
     return BadInput("{}: no row could be read{}{}", log, pass.summary.stopped.empty() ? "" : ": ",
                     pass.summary.stopped);
+  if (known.empty() && !pass.cut_offs.empty() && pipeline) return LookAt(log, machine, pass.cut_offs);
   check.pass = std::move(pass);
   CountAsEpisodesTake(inputs, check);
   check.time = survey.time();
@@ -239,5 +251,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.hints.insert(check.hints.begin(), twins);
   return check;
 }
+
+}  // namespace
 
 }  // namespace hydroscope

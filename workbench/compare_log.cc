@@ -64,14 +64,6 @@ Residuals ResidualsCompared(const CompareResult& compared) {
                      ColumnWeights(*compared.model.structure, compared.model.fit));
 }
 
-/// The model fitted without the strokes that differ from the rest.
-void TakeModelOfTheRest(const Explanation& explanation, MachineModel& model) {
-  model.structure = explanation.model;
-  model.fit = explanation.base;
-  model.choices.clear();
-  for (const EffectEstimate& effect : model.fit.effects) model.choices.push_back(effect.choice);
-}
-
 void JudgeOnLogs(CompareResult& out) {
   const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
   if (!judged.explanation.base.solved) return;
@@ -94,6 +86,13 @@ Residuals ResidualsOfTheRest(const CompareResult& compared) {
 }
 
 }  // namespace
+
+void TakeModelOfTheRest(const Explanation& explanation, MachineModel& model) {
+  model.structure = explanation.model;
+  model.fit = explanation.base;
+  model.choices.clear();
+  for (const EffectEstimate& effect : model.fit.effects) model.choices.push_back(effect.choice);
+}
 
 void TakeVerdict(const Explanation& explanation, CompareResult& out) {
   out.verdict = explanation.verdict;

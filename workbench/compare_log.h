@@ -91,6 +91,9 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
 /// What `explain` says of the strokes becomes the comparison's own word, its model of those that do not differ the one compared.
 void TakeVerdict(const Explanation& explanation, CompareResult& out);
 
+/// The model that an explanation fitted without the strokes that differ from the rest; its figures stay.
+void TakeModelOfTheRest(const Explanation& explanation, MachineModel& model);
+
 /// MachineModel::figures as a comparison of all strokes.
 StrokeComparison OverallOf(const GramFit& figures);
 

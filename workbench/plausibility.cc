@@ -171,6 +171,7 @@ void JudgeFaults(const LogPass& pass, std::vector<Told>& hints) {
   if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
   for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
   hints.insert(hints.end(), pass.swapped.begin(), pass.swapped.end());
+  for (const CutOff& cut : pass.cut_offs) hints.push_back(cut.text);
 }
 
 /// Without strokes, a signal that is hardly ever good explains more than the gate.

@@ -12,6 +12,7 @@
 #include "acquisition/dds/dds_source.h"
 #include "acquisition/modbus/settings.h"
 #include "cli/machines/live_command.h"
+#include "host/output.h"
 #include "host/signals.h"
 #include "simulator/die_cushion/press_map.h"
 
@@ -146,13 +147,14 @@ Status ServePress(const ServedPress& arguments, PressOptions press) {
   const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});  // Control waits for them
 
   auto server = TRY(PressServer::Create(options, Now));
-  std::cout << Announcement(options) << std::endl;
+  if (!IsQuiet()) std::cout << Announcement(options) << std::endl;
   std::stop_source stop;
   {
     const Control control(*server, stop, signals);
     server->Run(stop.get_token(), press.seconds);
   }
   const PressServer::Counters counters = server->counters();
+  if (IsQuiet()) return {};
   std::cout << fmt::format("stopped after {} rows; {} batches published, {} dropped, at worst {:.1f} ms late",
                            counters.rows, counters.batches, counters.dropped_batches, counters.latest * 1e3)
             << std::endl;

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeastPressure = 5e5, kMostPressure = 1e8;  // Pa
 constexpr double kSlowest = 1e-3, kFastest = 20;             // m/s
 constexpr PlausibleSize kAnyPressure{0, kMostPressure};
+constexpr PlausibleSize kAnySpool{0.02, 1.5};                          // a valve works beyond its overlap
 constexpr PlausibleSize kOilOfAPress{248, 363, PlausibleSize::kMean};  // K, over a log
 
 constexpr std::array<MachineInput, 8> kCushionSignals = {{
@@ -22,7 +23,7 @@ constexpr std::array<MachineInput, 8> kCushionSignals = {{
              PlausibleSize{kLeastPressure, kMostPressure}),
     Measured("z", "m", {"position of the cushion", "Position des Ziehkissens"},
              PlausibleSize{1e-3, 10.0, PlausibleSize::kTravel}),
-    Measured("y_v", "1", {"spool position, -1 to 1", "Schieberstellung, -1 bis 1"}, PlausibleSize{0, 1.5}),
+    Measured("y_v", "1", {"spool position, -1 to 1", "Schieberstellung, -1 bis 1"}, kAnySpool),
     MayBeMeasured("p_B", "Pa", {"pressure in chamber B", "Druck in Kammer B"}, kAnyPressure),
     MayBeMeasured("p_0", "Pa", {"supply pressure", "Versorgungsdruck"}, kAnyPressure),
     MayBeMeasured("p_t", "Pa", {"tank pressure", "Tankdruck"}, kAnyPressure),

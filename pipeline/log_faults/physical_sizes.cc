@@ -22,12 +22,22 @@ constexpr double kOutside = 0.01;
 /// Mean step between means over the range: white noise has a quarter, a stroke of a second some percent.
 constexpr double kRestless = 0.12;
 
+/// The largest pumps of presses deliver some thousand l/min (m3/s), ...
+constexpr double kMostFlow = 0.5;
+/// ... and whatever drives a valve or a motor of a machine stays below these.
+constexpr double kMostVolts = 2e3, kMostAmperes = 2e3;
+/// m/s, of a machine that works: at such a speed its valve is open.
+constexpr double kWorks = 0.02;
+
 /// What every machine keeps to: pressures of an intensifier at most, strokes of cylinders end at some ten metres, oil
 /// solidifies and burns.
 std::optional<PlausibleSize> SizeByUnit(std::string_view si) {
   if (si == "Pa") return PlausibleSize{0, 1e9};
   if (si == "m") return PlausibleSize{0, 50.0, PlausibleSize::kTravel};
   if (si == "K") return PlausibleSize{213, 573, PlausibleSize::kMean};
+  if (si == "m3/s") return PlausibleSize{0, kMostFlow};
+  if (si == "V") return PlausibleSize{0, kMostVolts};
+  if (si == "A") return PlausibleSize{0, kMostAmperes};
   return std::nullopt;
 }
 
@@ -46,6 +56,7 @@ std::vector<const char*> UsualUnits(std::string_view si) {
   if (si == "rad/s") return {"rpm", "rad/s"};
   if (si == "rad") return {"deg", "rad"};
   if (si == "V") return {"V", "mV"};
+  if (si == "A") return {"mA", "A"};
   return {"1", "%"};
 }
 
@@ -142,6 +153,8 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
         Range{in_other(seen.low), in_other(seen.high), in_other(seen.mean)}.Measure(*plausible);
     if (size > 0 && size >= plausible->low && size <= plausible->high) better = name;
   }
+  // A share that stays small is what it may be, but for one that another unit makes larger while the machine works.
+  if (measure < plausible->low && unit->si == "1" && (better.empty() || !Works())) return {};
   // A sensor of an optional signal that is broken stops nothing; a wrong unit does.
   if (!spec.required && better.empty()) return {};
   Unit scale = *unit;
@@ -165,16 +178,31 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
            shown(plausible->high), advice));
 }
 
-/// The speed of a position says whether the time is in the unit that the machine file states.
-Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
+/// The fastest that a position moves, m/s or rad/s; nothing of too few rows.
+std::optional<double> SizeWatch::TopSpeed(std::size_t signal) const {
   const std::vector<double>& z = means_[signal];
   std::vector<double> speeds;
   for (std::size_t k = 1; k < z.size(); ++k)
     if (std::isfinite(z[k] - z[k - 1])) speeds.push_back(std::abs(z[k] - z[k - 1]) / piece_time_);
-  if (speeds.size() < 100) return {};
+  if (speeds.size() < 100) return std::nullopt;
   const auto top =
       speeds.begin() + static_cast<std::ptrdiff_t>((1 - kOutside) * static_cast<double>(speeds.size()));
   std::nth_element(speeds.begin(), top, speeds.end());
+  return *top;
+}
+
+bool SizeWatch::Works() const {
+  return std::ranges::any_of(KindOf(machine_).conditions, [&](const Condition& condition) {
+    const int signal = machine_.SignalIndex(condition.signal);
+    return condition.of == Condition::Of::kMeanRate && condition.unit == "m/s" && signal >= 0 &&
+           TopSpeed(static_cast<std::size_t>(signal)).value_or(0) > kWorks;
+  });
+}
+
+/// The speed of a position says whether the time is in the unit that the machine file states.
+Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
+  const std::optional<double> top = TopSpeed(signal);
+  if (!top) return {};
   if (*top >= speed.lowest && *top <= speed.highest) return {};
   if (*top < speed.lowest && !Seen(signal).moves) return {};
   const DisplayUnit unit = DisplayUnitFor(speed.unit);

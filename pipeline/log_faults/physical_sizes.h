@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ class SizeWatch {
   Range Seen(std::size_t signal) const;
   Status JudgeSignal(std::size_t signal) const;
   Status JudgeSpeed(const Condition& speed, std::size_t signal) const;
+  std::optional<double> TopSpeed(std::size_t signal) const;
+  bool Works() const;
 
   const Machine& machine_;
   double piece_time_;                       ///< s from one mean to the next

@@ -157,24 +157,6 @@ std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vecto
   return found;
 }
 
-std::vector<Told> CutOffTexts(const std::vector<ChannelQuality>& channels, const Machine& machine) {
-  std::vector<Told> texts;
-  for (const ChannelQuality& channel : channels)
-    for (const bool upper : {true, false}) {
-      const double at = channel.cut_off[upper ? 0 : 1];
-      if (std::isnan(at)) continue;
-      const DisplayUnit unit = ShownUnit(machine, channel.name);
-      texts.push_back(Tell(
-          "{} never reads {} {:.4g} {}, where its noise is cut off: its sensor or converter ends there. These readings are left out, "
-          "so nothing is said of what the machine does beyond",
-          "{} zeigt nie {} {:.4g} {}, dort ist sein Rauschen abgeschnitten: sein Sensor oder Wandler endet dort. Diese Messwerte "
-          "bleiben weg, über die Maschine jenseits davon ist damit nichts gesagt",
-          channel.name, upper ? Wording("above", "mehr als") : Wording("below", "weniger als"),
-          at * unit.factor + unit.offset, std::string(unit.name)));
-    }
-  return texts;
-}
-
 Told SensorEndText(const SensorEnd& end, const Machine& machine) {
   const std::string& signal = machine.signals[end.signal].name;
   const DisplayUnit unit = ShownUnit(machine, signal);

@@ -29,9 +29,6 @@ std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<
 std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vector<int>& inputs,
                                         const SampleBlock& rows);
 
-/// Of the channels that QualityMonitor saw the noise cut off of (ChannelQuality::cut_off): where, and that nothing is known beyond.
-std::vector<Told> CutOffTexts(const std::vector<ChannelQuality>& channels, const Machine& machine);
-
 /// Sentences that say so.
 Told SensorEndText(const SensorEnd& end, const Machine& machine);
 Told InputEndText(const SensorEnd& end, const Machine& machine);

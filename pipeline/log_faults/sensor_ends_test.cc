@@ -109,16 +109,5 @@ TEST(SensorEnds, OfAnInputItIsSaidWhatEpisodesGoWithoutAndHowToKeepIt) {
   EXPECT_THAT(text.english, testing::HasSubstr("stuck_time = 0"));
 }
 
-TEST(SensorEnds, WhereTheNoiseIsCutOffIsSaid) {
-  std::vector<ChannelQuality> channels(1);
-  channels[0].name = "level";
-  EXPECT_TRUE(CutOffTexts(channels, Tank()).empty());
-  channels[0].cut_off[0] = 9.6;
-  const auto texts = CutOffTexts(channels, Tank());
-  ASSERT_EQ(texts.size(), 1u);
-  EXPECT_THAT(texts[0].english, testing::HasSubstr("level never reads above 9.6 V"));
-  EXPECT_THAT(texts[0].german, testing::HasSubstr("level zeigt nie mehr als 9,6 V"));
-}
-
 }  // namespace
 }  // namespace hydroscope

@@ -1,5 +1,9 @@
 #include "pipeline/log_faults/usual_modulus.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "core/constants.h"
 #include "core/short_number.h"
 #include "models/parameter_unit.h"
@@ -9,6 +13,8 @@ namespace {
 
 /// Hoses and some air soften oil to a fifth at most; none is stiffer than water. Pa.
 constexpr double kSoftOil = 2e8, kStiffOil = 2.2e9;
+/// Data sheets of valves state from some tenths of a l/min to some thousand. m3/s.
+constexpr double kLeastNominal = 1e-6, kMostNominal = 0.1;
 
 }  // namespace
 
@@ -24,6 +30,32 @@ Told UnusualModulus(const MachineKind& kind, const Estimate& parameter) {
       "K kommt als {0} {3} heraus, üblich sind {1} bis {2} {3}: die Skalierung von Druck und Position und die Kolbenfläche prüfen; "
       "steifer ist nur Wasser-Glykol, weicher nur Öl mit viel Luft darin",
       shown(parameter.value), shown(kSoftOil), shown(kStiffOil), unit.name);
+}
+
+Told ImpossibleFlow(const MachineKind& kind, const Estimate& parameter) {
+  const bool nominal = std::ranges::any_of(kind.parameters, [&](const MachineParameter& known) {
+    return known.name == parameter.parameter && known.si == "m3/s";
+  });
+  if (!nominal) return {};
+  const double margin = kNormal95 * parameter.std;
+  if (parameter.value + margin >= kLeastNominal && parameter.value - margin <= kMostNominal) return {};
+  const DisplayUnit unit = ParameterUnit(kind, parameter.parameter, parameter.unit);
+  const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset); };
+  return Tell(
+      "{0} comes out as {1} {4}, where valves pass {2} to {3} {4}: check the unit of the spool position (1 or %), those of position and "
+      "time, and the piston area in the machine file",
+      "{0} kommt als {1} {4} heraus, Ventile lassen {2} bis {3} {4} durch: die Einheit der Schieberstellung (1 oder %), die von "
+      "Position und Zeit und die Kolbenfläche in der Maschinendatei prüfen",
+      parameter.parameter, shown(parameter.value), shown(kLeastNominal), shown(kMostNominal), unit.name);
+}
+
+std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters) {
+  std::vector<Told> unusual;
+  for (const Estimate& e : parameters)
+    if (e.reason != EstimateReason::kOutsidePhysics && std::isfinite(e.value + e.std))
+      for (Told text : std::array<Told, 2>{UnusualModulus(kind, e), ImpossibleFlow(kind, e)})
+        if (!text.empty()) unusual.push_back(std::move(text));
+  return unusual;
 }
 
 }  // namespace hydroscope

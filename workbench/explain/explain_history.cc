@@ -9,6 +9,7 @@
 #include "diagnosis/effect_swap.h"
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/interpolated_shapes.h"
+#include "diagnosis/odd_strokes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
 #include "estimation/floor_trust.h"
@@ -249,9 +250,21 @@ void TakeFloors(const StrokeHistory& history, ExplainResult& result) {
     *floor = history.NoiseFloor(*floor);
 }
 
+std::optional<Explanation> ButForOddUnits(const StrokeHistory& history, const Explanation& whole) {
+  if (whole.verdict != Verdict::kUnknown || !whole.no_verdict.empty() || !whole.base.solved)
+    return std::nullopt;
+  ExplainOptions options = OptionsForEquations({}, history.equations());
+  options.start = history.machine.added_effects;
+  options.noise_scale = whole.noise_scale;
+  options.evidence_scale = whole.evidence_scale;
+  return ExplainOddStrokes(StrokeSet(whole.model, history.units, history.window, history.noise_scale), whole,
+                           options, {});
+}
+
 namespace {
 
 void DoubtWhatIsNotStored(const Machine& machine, Explanation& x) {
+  if (!x.no_verdict.empty()) return;
   DoubtForUnmeasured(machine, x);
   DoubtForTwinNotStored(x);
   DoubtForUntriedLaws(x);
@@ -266,22 +279,59 @@ Explanation ExplainWithout(const std::string& id, const StrokeHistory& history, 
   return std::move(result->explanation);
 }
 
-}  // namespace
+/// Whether each stroke is stored by itself, with its summary at the same place.
+bool HasEachStroke(const StrokeHistory& history) {
+  if (history.sample.size() != history.units.size() || history.parts.size() != 1) return false;
+  for (std::size_t k = 0; k < history.units.size(); ++k)
+    if (history.unit_parts[k].strokes() != 1 || history.unit_parts[k].first != history.sample[k].index)
+      return false;
+  return !InEpisodes(KindOf(history.machine));
+}
 
-Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+/// `whole`, or what is so in odd strokes and what in the others, unless a swap says more of all (as in ExplainSamples).
+Explanation ButForOdd(const StrokeHistory& history, Explanation whole) {
+  const std::optional<EffectSwap> swap = whole.swap;
+  if ((swap && swap->proven) || !HasEachStroke(history)) return whole;
+  auto parted = ButForOddUnits(history, whole);
+  if (!parted || parted->odd_strokes.empty()) return whole;
+  parted->noise_scale = whole.noise_scale;
+  parted->evidence_scale = whole.evidence_scale;
+  DoubtWhatIsNotStored(history.machine, *parted);
+  const bool in_doubt = parted->verdict == Verdict::kUnknown || parted->partial;
+  return swap && swap->explains && in_doubt ? whole : *std::move(parted);
+}
+
+Result<ExplainResult> ExplainStoredUnits(const StrokeHistory& history, const ExplainOptions& options,
+                                         bool but_for_odd) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
   auto out = ExplainUnits(history, own);
   if (!out) return out;
-  TakeConfoundings(history.units, *out);
   Explanation& x = out->explanation;
-  if (!x.no_verdict.empty()) return out;
   DoubtWhatIsNotStored(history.machine, x);
-  x.swap = BestSwap(own, x, [&](const std::string& id) { return ExplainWithout(id, history, own); });
+  if (x.no_verdict.empty())
+    x.swap = BestSwap(own, x, [&](const std::string& id) { return ExplainWithout(id, history, own); });
+  if (but_for_odd) {
+    x = ButForOdd(history, std::move(x));
+    if (!x.odd_strokes.empty())
+      out->base = FiguresOf(*x.model, x.base, static_cast<int>(history.units.size()));
+  }
+  TakeConfoundings(history.units, *out);
+  if (!x.no_verdict.empty()) return out;
   SayWhatALogWouldTell(history, x);
   RefuseVerdict(WhyEpisodesDoNotTell(*out), x);
   TakeFloors(history, *out);
   return out;
+}
+
+}  // namespace
+
+Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+  return ExplainStoredUnits(history, options, false);
+}
+
+Result<ExplainResult> ExplainHistoryButForOdd(const StrokeHistory& history) {
+  return ExplainStoredUnits(history, {}, true);
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "workbench/explain/explain_log.h"
 #include "workbench/history/stroke_history.h"
 
@@ -14,6 +16,14 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations);
 /// units, an effect of the machine that is not in the library, or strokes that do not excite the model.
 /// ExplainOptions::start is taken from the machine.
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options = {});
+
+/// The same, and where a few strokes are to blame that nothing explains all of them, as `explain` of a log says it: the explanation
+/// of the others, and what is so in these (Explanation::odd_strokes). Of strokes stored one by one alone: in a sum of several an odd
+/// one does not show by itself.
+Result<ExplainResult> ExplainHistoryButForOdd(const StrokeHistory& history);
+
+/// An explanation that is parted so; nothing where it is not unknown, or no few strokes are to blame. Its strokes are `units`.
+std::optional<Explanation> ButForOddUnits(const StrokeHistory& history, const Explanation& whole);
 
 /// The noise floors of its fits, as `history` knows what the noise is like.
 void TakeFloors(const StrokeHistory& history, ExplainResult& result);

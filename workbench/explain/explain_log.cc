@@ -180,9 +180,10 @@ void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Ex
   if (!x.no_verdict.empty()) return;
   const std::vector<Estimate> parameters = BaseParameters(*x.model, x.final, static_cast<int>(strokes));
   for (const Estimate& e : parameters)
-    if (Told unusual = UnusualModulus(kind, e);
-        e.reason != EstimateReason::kOutsidePhysics && !unusual.empty())
-      x.warnings.push_back(std::move(unusual));
+    if (const Told impossible = ImpossibleFlow(kind, e);
+        e.reason != EstimateReason::kOutsidePhysics && std::isfinite(e.value + e.std) && !impossible.empty())
+      return RefuseVerdict(impossible, x);
+  for (Told& unusual : UnusualParameters(kind, parameters)) x.warnings.push_back(std::move(unusual));
   if (x.verdict == Verdict::kUnknown) return;
   const auto wrong = std::ranges::find_if(parameters, [](const Estimate& e) {
     return e.reason == EstimateReason::kOutsidePhysics && std::abs(e.value) > kNormal95 * e.std;

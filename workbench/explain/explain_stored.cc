@@ -59,7 +59,7 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
     out.not_compared = compared.error().text;
   }
   auto history = TRY(LoadHistory(database, path, {part}, machine));
-  auto result = TRY(ExplainHistory(history));
+  auto result = TRY(ExplainHistoryButForOdd(history));
   result.described = HistoryLine(history);
   out.after = std::move(history);
   out.whole = std::move(result);

@@ -13,7 +13,13 @@ namespace {
 
 constexpr std::size_t kRun = 3;  ///< strokes one after another of which only the first and the last are told
 
-/// "3 (at 12.4 s), 9 to 14 (40.1 to 93.7 s)".
+/// Name of the log that a stroke is of; "" where there is one log alone.
+std::string LogOf(const LogStrokes& log, std::size_t stroke) {
+  const auto at = static_cast<std::size_t>(log.strokes[stroke].gram.log);
+  return log.logs > 1 && at < log.log_names.size() ? log.log_names[at] : std::string();
+}
+
+/// "3 (at 12.4 s), 9 to 14 (40.1 to 93.7 s)"; of several logs "3 (of b.csv, at 12.4 s)".
 Told PlacesOf(const LogStrokes& log, const std::vector<std::size_t>& strokes) {
   const auto summary = [&](std::size_t at) -> const StrokeSummary& {
     return log.strokes[strokes[at]].summary;
@@ -21,13 +27,16 @@ Told PlacesOf(const LogStrokes& log, const std::vector<std::size_t>& strokes) {
   Told places;
   for (std::size_t first = 0, next = 0; first < strokes.size(); first = next) {
     for (next = first + 1; next < strokes.size(); ++next)
-      if (strokes[next] != strokes[next - 1] + 1) break;
+      if (strokes[next] != strokes[next - 1] + 1 || LogOf(log, strokes[next]) != LogOf(log, strokes[first]))
+        break;
     if (next - first < kRun) next = first + 1;
     const StrokeSummary &begin = summary(first), &end = summary(next - 1);
+    const std::string name = LogOf(log, strokes[first]);
+    const Told of = name.empty() ? Told() : Tell("of {}, ", "von {}, ", name);
     const Told place = next == first + 1
-                           ? Tell("{} (at {:.1f} s)", "{} (bei {:.1f} s)", begin.index, begin.begin)
-                           : Tell("{} to {} ({:.1f} to {:.1f} s)", "{} bis {} ({:.1f} bis {:.1f} s)",
-                                  begin.index, end.index, begin.begin, end.begin);
+                           ? Tell("{} ({}at {:.1f} s)", "{} ({}bei {:.1f} s)", begin.index, of, begin.begin)
+                           : Tell("{} to {} ({}{:.1f} to {:.1f} s)", "{} bis {} ({}{:.1f} bis {:.1f} s)",
+                                  begin.index, end.index, of, begin.begin, end.begin);
     places = places.empty() ? place : Tell("{}, {}", "{}, {}", places, place);
   }
   return places;
@@ -114,9 +123,11 @@ nlohmann::json OddStrokesJson(const LogStrokes& log, const std::vector<ToldOddSt
   nlohmann::json out = nlohmann::json::array();
   for (const auto& [some, sentence] : odd) {
     nlohmann::json strokes = nlohmann::json::array(), begin = nlohmann::json::array();
+    nlohmann::json logs = nlohmann::json::array();
     for (const std::size_t s : some.strokes) {
       strokes.push_back(log.strokes[s].summary.index);
       begin.push_back(log.strokes[s].summary.begin);
+      if (const std::string name = LogOf(log, s); !name.empty()) logs.push_back(name);
     }
     out.push_back({{"strokes", strokes},
                    {"begin_s", begin},
@@ -125,6 +136,7 @@ nlohmann::json OddStrokesJson(const LogStrokes& log, const std::vector<ToldOddSt
                    {"doubt", some.doubt.english},
                    {"sentence", sentence.english},
                    {"german", {{"sentence", sentence.german}}}});
+    if (!logs.empty()) out.back()["logs"] = logs;
   }
   return out;
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/non_negative.h"
@@ -58,6 +59,17 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   out.log.model = history.model;
   out.log.window = history.window;
   out.strokes = static_cast<std::size_t>(history.strokes());
+  if (history.units.size() >= kMinExplainStrokes)
+    if (auto explained = ExplainHistoryButForOdd(history)) {
+      const Explanation& x = explained->explanation;
+      if (!x.odd_strokes.empty()) {
+        out.log.strokes = std::move(explained->log.strokes);
+        TakeModelOfTheRest(x, out.model);
+        out.model.figures = explained->base;
+      }
+      TakeVerdict(x, out);
+      if (history.noise_scale != 1) out.model.figures.noise_floor = explained->base.noise_floor;
+    }
   const Eigen::VectorXd weights = ColumnWeights(*out.model.structure, out.model.fit);
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
@@ -67,13 +79,10 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
   }
-  if (history.units.size() >= kMinExplainStrokes)
-    if (const auto explained = ExplainHistory(history)) {
-      TakeVerdict(explained->explanation, out);
-      if (history.noise_scale != 1) out.model.figures.noise_floor = explained->base.noise_floor;
-    }
   out.overall = OverallOf(out.model.figures);
-  for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
+  const std::vector<std::size_t> odd = IndicesOf(out.odd);
+  for (std::size_t k = 0; k < out.per_stroke.size(); ++k)
+    if (!std::ranges::binary_search(odd, k)) out.overall.windows += out.per_stroke[k].windows;
   return out;
 }
 

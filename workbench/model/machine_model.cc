@@ -21,7 +21,7 @@ namespace {
 /// Over the effects of the model, whose nonlinear parameters depend on one another.
 constexpr int kPasses = 2;
 
-StrokeSet StrokesUnder(const ModelStructure& structure, const LogStrokes& log) {
+StrokeSet StrokesOfLogUnder(const ModelStructure& structure, const LogStrokes& log) {
   const auto model = std::make_shared<const ModelStructure>(structure);
   return {model, GramsOf(model, log.stretches, log.window), log.window};
 }
@@ -137,11 +137,11 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
   std::vector<EffectChoice> choices;
   if (!log.machine.added_effects.empty()) {
     AddSampleEffects(*structure, log.machine.added_effects);
-    StrokeSet strokes = StrokesUnder(*structure, log);
+    StrokeSet strokes = StrokesOfLogUnder(*structure, log);
     for (const std::string& id : log.machine.added_effects) {
       const auto effect = TRY(FindEffect(*structure, id));
       if (structure->effect_shapes[effect].empty() && SearchShape(log, strokes, choices, *structure))
-        strokes = StrokesUnder(*structure, log);
+        strokes = StrokesOfLogUnder(*structure, log);
       const EffectChoice best = strokes.BestShape(effect, choices);
       if (best.shape < 0)
         return BadInput(Tell(
