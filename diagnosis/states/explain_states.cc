@@ -130,13 +130,48 @@ StatesExplanation UnlessRefuted(StatesExplanation named, const StateFit& whole,
   return named;
 }
 
-/// Where short runs leave it unknown, the user is told as well what whole episodes said. Short runs that need no effect clear
-/// nothing in which a law may be missing over whole episodes: each begins anew beside it.
-StatesExplanation WithReasonsOf(const StatesExplanation& whole, StatesExplanation runs) {
-  if (runs.verdict == Verdict::kAdequate && (whole.base_left.structured || whole.base_left.MayHideLaw())) {
-    runs.base_left.doubtful = true;
-    runs.LeaveUnknown({});
+/// Share of the rows in stretches of `least` and more without a reading of one output: of the output that has most of them.
+double BlindShare(const StateModel& model, std::span<const Episode> episodes, int least) {
+  int rows = 0, most = 0;
+  for (const Episode& episode : episodes) rows += episode.rows();
+  for (const int signal : model.outputs) {
+    int blind = 0;
+    for (const Episode& episode : episodes)
+      for (int row = 0, since = 0; row <= episode.rows(); ++row) {
+        if (row < episode.rows() && !std::isfinite(episode.signal(row, signal))) continue;
+        if (row - since >= least) blind += row - since;
+        since = row + 1;
+      }
+    most = std::max(most, blind);
   }
+  return static_cast<double>(most) / std::max(rows, 1);
+}
+
+/// Short runs that need no effect clear nothing that they do not see: each begins anew after it.
+void DoubtWhatRunsDoNotSee(const StatesExplanation& whole, std::span<const Episode> episodes,
+                           const ExplainStatesOptions& options, StatesExplanation& runs) {
+  if (runs.verdict != Verdict::kAdequate) return;
+  const double blind = BlindShare(*whole.base.fit.model, episodes, options.blind_rows);
+  if (whole.base_left.bursts) {
+    runs.warnings.push_back(BurstsText(*whole.base_left.bursts));
+  } else if (blind >= options.blind_share) {
+    runs.warnings.push_back(Tell(
+        "over whole episodes more is left, and an output has no readings in {:.0f} % of the rows, long stretches of them "
+        "(a sensor that ends, say): a law that acts there, an overflow, shows after them alone, where short runs begin anew. "
+        "Record where sensors do not end",
+        "über ganze Episoden bleibt mehr übrig, und ein Ausgang hat in {:.0f} % der Zeilen keine Messwerte, lange Strecken "
+        "davon (ein Sensor, der endet, etwa): ein Gesetz, das dort wirkt, ein Überlauf, zeigt sich nur danach, wo kurze "
+        "Stücke neu beginnen. Aufzeichnen, wo Sensoren nicht enden",
+        100 * blind));
+  } else {
+    return;
+  }
+  runs.base_left.doubtful = true;
+  runs.LeaveUnknown({});
+}
+
+/// Where short runs leave it unknown, the user is told as well what whole episodes said.
+StatesExplanation WithReasonsOf(const StatesExplanation& whole, StatesExplanation runs) {
   if (runs.verdict == Verdict::kUnknown) AddOverWhole(whole.warnings, runs.warnings);
   return runs;
 }
@@ -225,7 +260,9 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
         return WithReasonsOf(out, std::move(short_runs));
     } else if (runs.Covered(out.base.fit, out.base_left) ||
                (!out.final.added.empty() && runs.Covered(out.final.fit, out.final_left))) {
-      return WithReasonsOf(out, UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options));
+      StatesExplanation short_runs = UnlessRefuted(runs.Explain(kCoveredText), out.base.fit, tried, options);
+      DoubtWhatRunsDoNotSee(out, tried, options, short_runs);
+      return WithReasonsOf(out, std::move(short_runs));
     }
     if (lost) UnlessLost(options, out);
   }

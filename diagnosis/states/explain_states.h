@@ -38,6 +38,9 @@ struct ExplainStatesOptions {
   double covered_error = 0.5;
   /// ... unless a parameter that drifts over the log takes away as much as this of it.
   double drifts_share = 0.5;
+  /// What short runs leave is no all-clear where an output has no readings in this share of the rows, so many and more at a time.
+  double blind_share = 0.1;
+  int blind_rows = 12;
   ScreeningOptions screening;
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
   int laws_beside = 3;  ///< laws of general shape fitted beside the set found, those foreseen to gain most

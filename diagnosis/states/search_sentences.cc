@@ -21,15 +21,18 @@ Told MoreIsMissing(const StateRemainder& left, double unexplained) {
       100 * left.least_share, left.about, 100 * unexplained);
 }
 
+Told BurstsText(const ErrorBursts& bursts) {
+  return Tell(
+      "what is left is no white noise, and it comes in bursts, most between {} and {} s: noise of one strength does not. A law "
+      "that acts seldom may be missing, or a disturbance is not measured. Look at these times in the measured signals",
+      "was bleibt, ist kein weißes Rauschen und kommt in Stößen, am stärksten zwischen {} und {} s: Rauschen von einer Stärke "
+      "tut das nicht. Es kann ein Gesetz fehlen, das selten wirkt, oder eine Störung wird nicht gemessen. Die gemessenen "
+      "Signale zu diesen Zeiten ansehen",
+      ShortNumber(bursts.from, 4), ShortNumber(bursts.to, 4));
+}
+
 Told MayBeMissing(const StateRemainder& left) {
-  if (!left.doubtful && left.bursts)
-    return Tell(
-        "what is left is no white noise, and it comes in bursts, most between {} and {} s: noise of one strength does not. A law "
-        "that acts seldom may be missing, or a disturbance is not measured. Look at these times in the measured signals",
-        "was bleibt, ist kein weißes Rauschen und kommt in Stößen, am stärksten zwischen {} und {} s: Rauschen von einer Stärke "
-        "tut das nicht. Es kann ein Gesetz fehlen, das selten wirkt, oder eine Störung wird nicht gemessen. Die gemessenen "
-        "Signale zu diesen Zeiten ansehen",
-        ShortNumber(left.bursts->from, 4), ShortNumber(left.bursts->to, 4));
+  if (!left.doubtful && left.bursts) return BurstsText(*left.bursts);
   if (!left.doubtful)
     return Tell(
         "what is left is no white noise, and this log holds so little that chance predicts {:.0f} % of it: a law may be missing. "

@@ -14,7 +14,9 @@ namespace hydroscope {
 Told CannotBeTried(const std::string& effect, const Told& why);
 /// The explanation found is not all; `unexplained`: of what functions could predict before, the share they still can.
 Told MoreIsMissing(const StateRemainder& left, double unexplained);
-/// A law may be missing that the log shows too seldom.
+/// The error comes in bursts.
+Told BurstsText(const ErrorBursts& bursts);
+/// A law may be missing that the log shows too seldom, or this tells too little.
 Told MayBeMissing(const StateRemainder& left);
 /// What is left is no noise of sensors; `share`: of what was found.
 Told MoreIsSlow(double share);
