@@ -96,6 +96,16 @@ TEST(ExplainStates, FindsNothingInNoiseOfTheProcessAlone) {
   EXPECT_FALSE(x.runs.empty());
 }
 
+/// What acts while nothing is read shows afterwards alone, where each short run begins anew.
+TEST(ExplainStates, ShortRunsAreNoAllClearWhereAnOutputHasNoReadingsForLong) {
+  Episode episode = PushedLog(Even, {.push = 1e-3});
+  for (const int first : {500, 1300, 2100}) episode.signal.col(1).segment(first, 200).setConstant(NAN);
+  const StatesExplanation x = ExplainStates(PushedMachine(kPushedCylinder, 0), std::span(&episode, 1));
+  EXPECT_FALSE(x.runs.empty());
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(x.only_doubtful());
+}
+
 TEST(ExplainStates, CallsALawThatIsNotInTheFileUnknownInShortRunsToo) {
   const StatesExplanation x = ExplainPushed(Wavy, {.push = 1e-3});
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
