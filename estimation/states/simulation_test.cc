@@ -7,6 +7,7 @@
 #include <random>
 
 #include "estimation/states/fit.h"
+#include "estimation/states/unseen_ripple.h"
 
 namespace hydroscope {
 namespace {
@@ -110,6 +111,19 @@ TEST(StateSimulation, ARippleOfAnOutputDrivesAStateAlongLinesBetweenRows) {
   const Episode part = episode.Part(1, 3);
   EXPECT_EQ(part.rows(), 3);
   EXPECT_EQ(part.ripple(1, 1), 1);
+}
+
+TEST(StateSimulation, WhatActsNearZeroAloneActsByMoreThanRipple) {
+  const Machine machine = StatesFrom(
+      "[signals]\nn = { column = \"n\", unit = \"rad/s\" }\ny = { column = \"y\", unit = \"V\" }\n"
+      "[episodes]\nshaft = \"n\"\n[states]\nx = { ddt = \"k*y_ripple - r*exp(-abs(x)/1e-5)\", initial = 0, unit = \"V\" }\n"
+      "[outputs]\ny = \"x\"\n[parameters]\nk = { start = 2, min = 0.1, max = 10, unit = \"1/s\" }\n"
+      "r = { start = 1, min = 0, max = 2, unit = \"V/s\" }\n");
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  EXPECT_TRUE(OnlyRippleShows(**model, {{{"k", 1.0}}}));
+  EXPECT_FALSE(OnlyRippleShows(**model, {{{"r", 1.0}}}));
+  EXPECT_FALSE(OnlyRippleShows(**model, {{{"k", 1.0}, {"r", 1.0}}}));
 }
 
 TEST(StateSimulation, AStiffModelIsLeftToTheImplicitMethodWithTheSameDerivatives) {

@@ -5,7 +5,7 @@
 namespace hydroscope {
 
 /// Whether a direction that the data do not see is one parameter that acts by the ripple of a shaft alone (RippleName): the record
-/// then holds no ripple, the parameter plays no part in it, and no course of the inputs would show it.
+/// then holds too little ripple to show it, and no course of the inputs would.
 bool OnlyRippleShows(const StateModel& model, const UnseenDirection& unseen);
 
 }  // namespace hydroscope

@@ -167,7 +167,7 @@ TEST(PumpStudy, OfALogWithoutRippleItIsSaidThatTheShareOfItPlaysNoPart) {
     return std::ranges::any_of(
         warnings, [&](const Told& told) { return told.english.find(words) != std::string::npos; });
   };
-  EXPECT_TRUE(said("no ripple that repeats with the shaft: R_p plays no part"));
+  EXPECT_TRUE(said("R_p acts by what repeats with the shaft alone, and this log holds too little of that"));
   EXPECT_FALSE(said("nothing in these data depends on"));
   EXPECT_FALSE(said("vary the load flow"));
 }

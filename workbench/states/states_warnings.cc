@@ -41,11 +41,11 @@ Told UnseenText(const UnseenDirection& unseen) {
               "die Daten sehen nicht: {}; nichts Gemessenes ändert sich", parts);
 }
 
-/// Of a parameter that acts by a ripple alone, in a record that has none.
+/// Of a parameter that acts by a ripple alone, in a record that has too little.
 Told NoRippleText(const UnseenDirection& unseen) {
   return Tell(
-      "this log holds no ripple that repeats with the shaft: {} plays no part in it",
-      "diese Aufzeichnung enthält keine Pulsation, die sich mit der Welle wiederholt: {} spielt darin keine Rolle",
+      "{} acts by what repeats with the shaft alone, and this log holds too little of that to show it",
+      "{} wirkt nur durch das, was sich mit der Welle wiederholt, und davon enthält diese Aufzeichnung zu wenig, um ihn zu zeigen",
       unseen.parts.front().first);
 }
 
