@@ -206,7 +206,7 @@ std::string VerdictText(const StatesExplained& e) {
   text += x.astray ? "The free run hardly follows what was measured: what it leaves tells of no effect.\n"
           : x.only_doubtful() ? "Something may be missing, and no effect of the machine file explains it.\n"
                               : "An error is there, and no effect of the machine file explains it.\n";
-  if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
+  if (!x.nearest.empty()) text += fmt::format("Nearest, not proven: {}.\n", fmt::join(x.nearest, ", "));
   const std::string& about = x.final_left.about.empty() ? x.base_left.about : x.final_left.about;
   if (x.astray || about.empty()) return text;
   return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n", about);

@@ -237,7 +237,7 @@ export const de: Words = {
   whyUnknown: "Warum: ",
   noiseAlone: "Sensorrauschen allein {noise}",
   noiseAtMost: "Rauschen höchstens {noise}",
-  partOfIt: "Einen Teil davon erklärt: ",
+  nearest: "Am nächsten, nicht bewiesen: ",
   mayGoWith: "Was fehlt, geht vielleicht so; der Fehler ist dann:",
   writeAsEffect: "Als Effekt schreiben",
   verdictErrors: "Fehler auf ausgelassenen <Hüben|Stücken> {before}; damit {after}; {noise}.",

@@ -236,7 +236,7 @@ export const en = {
   whyUnknown: "Why: ",
   noiseAlone: "sensor noise alone {noise}",
   noiseAtMost: "noise at most {noise}",
-  partOfIt: "A part of it: ",
+  nearest: "Nearest, not proven: ",
   mayGoWith: "What is missing may go with this; the error is then:",
   writeAsEffect: "Write it as an effect",
   verdictErrors: "Error on <strokes|pieces> left out {before}; with it {after}; {noise}.",

@@ -52,7 +52,7 @@ export function Verdict({ explain, effects, session, problem, choose }: Props) {
       <p class="headline" data-verdict={explain.verdict}>{say(headline(explain), { described: explain.strokes - oddOf(explain), count: explain.strokes })}</p>
       {!swapLeads(explain) && explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
-      {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("partOfIt")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
+      {explain.verdict === "unknown" && (explain.nearest?.length ?? 0) > 0 && <p>{say("nearest")}{explain.nearest!.map((id, at) => <>{at > 0 && ", "}<TitleOf id={id} effects={effects} /></>)}</p>}
       {explain.doubt && <p>{say(explain.set.length > 0 || explain.partial ? "notProven" : "whyUnknown")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
       {(explain.proposed_laws?.length ?? 0) > 0 && <Proposed laws={explain.proposed_laws!} unit={unit} />}
