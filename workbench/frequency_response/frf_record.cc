@@ -45,6 +45,7 @@ class RunBuilder {
       : input_(machine.SignalIndex(signals.input)),
         output_(machine.SignalIndex(signals.output)),
         set_point_(machine.SignalIndex(signals.set_point)),
+        unusable_(set_point_ < 0 ? kUnusable : kUnusable | quality::kStuck),
         full_scale_(signals.full_scale),
         result_(result) {}
 
@@ -53,7 +54,7 @@ class RunBuilder {
       Quality flags = block.quality[input_][n] | block.quality[output_][n];
       if (set_point_ >= 0) flags |= block.quality[set_point_][n];
       if (flags & kNewRun) open_ = false;
-      if (flags & kUnusable) {
+      if (flags & unusable_) {
         Count(flags);
         // A row that came twice tears no hole; any other lost row does.
         if (!(flags & quality::kDuplicate)) open_ = false;
@@ -81,11 +82,12 @@ class RunBuilder {
   void Count(Quality flags) {
     ++result_.left_out;
     for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
-      if (flags & kUnusable & quality::kFlagNames[i].flag) ++counts_[i];
+      if (flags & unusable_ & quality::kFlagNames[i].flag) ++counts_[i];
     }
   }
 
   int input_, output_, set_point_;  // set_point_ < 0: none
+  Quality unusable_;                // of a closed loop also a sensor that stands
   double full_scale_;
   FrfRecord& result_;
   bool open_ = false;
@@ -111,12 +113,14 @@ Status CheckValveSignals(const Machine& machine) {
   return {};
 }
 
-/// The machine reduced to what the check needs: other signals are optional, standing still is allowed.
+/// The machine reduced to what the check needs: other signals are optional, standing still is allowed but for what a closed loop
+/// moves.
 Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
   for (SignalSpec& signal : machine.signals) {
     signal.required =
         signal.name == signals.input || signal.name == signals.output || signal.name == signals.set_point;
-    if (signal.required) signal.stuck_time = 0;
+    const bool moved = signal.name == signals.output && !signals.set_point.empty();
+    if (signal.required && !moved) signal.stuck_time = 0;
   }
   return machine;
 }
