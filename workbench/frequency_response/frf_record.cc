@@ -1,5 +1,6 @@
 #include "workbench/frequency_response/frf_record.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,6 +18,8 @@ constexpr Quality kUnusable =
     quality::kMissing | quality::kOutOfRange | quality::kDuplicate | quality::kTimeBackwards;
 constexpr Quality kNewRun = quality::kGap | quality::kClockJump;
 constexpr std::size_t kRowsAtOnce = 4096;
+/// Over which a reading must repeat before it stands, however short the machine file's time.
+constexpr std::size_t kStuckRows = 20;
 
 /// Mean of a slow signal over its good values.
 class Mean {
@@ -70,6 +73,36 @@ class RunBuilder {
     result_.rows += static_cast<std::int64_t>(block.rows());
   }
 
+  /// Leaves out where the output of a closed loop stands for longer than `stuck_time` (s) while its set point moves. The monitor
+  /// judges noisy sensors only, and a rod that is driven all the time moves without noise.
+  void LeaveOutStanding(double stuck_time) {
+    const auto least =
+        std::max(kStuckRows, static_cast<std::size_t>(stuck_time / result_.record.sample_period));
+    std::vector<SignalRun> runs;
+    for (SignalRun& run : result_.record.runs) {
+      std::size_t begin = 0;
+      const auto keep = [&](std::size_t end) {
+        if (end > begin) runs.push_back(Part(run, begin, end));
+      };
+      for (std::size_t from = 0, to = 0; from < run.output.size(); from = to) {
+        for (to = from + 1; to < run.output.size() && run.output[to] == run.output[from];) ++to;
+        const auto at = [&](std::size_t row) {
+          return run.set_point.begin() + static_cast<std::ptrdiff_t>(row);
+        };
+        if (to - from <= least || std::all_of(at(from), at(to), [&](double r) { return r == *at(from); }))
+          continue;
+        keep(from);
+        begin = to;
+        result_.left_out += static_cast<std::int64_t>(to - from);
+        for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i)
+          if (quality::kFlagNames[i].flag == quality::kStuck)
+            counts_[i] += static_cast<std::int64_t>(to - from);
+      }
+      keep(run.output.size());
+    }
+    result_.record.runs = std::move(runs);
+  }
+
   void Finish() {
     for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
       if (counts_[i] == 0) continue;
@@ -79,6 +112,15 @@ class RunBuilder {
   }
 
  private:
+  SignalRun Part(const SignalRun& run, std::size_t begin, std::size_t end) const {
+    const auto part = [&](const std::vector<double>& values) {
+      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 values.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    return {run.start + static_cast<double>(begin) * result_.record.sample_period, part(run.input),
+            part(run.output), part(run.set_point)};
+  }
+
   void Count(Quality flags) {
     ++result_.left_out;
     for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
@@ -152,6 +194,9 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
     oil.Add(block);
     progress.Update(reader->Progress(), result.rows);
   }
+  if (const double stuck_time = machine.signals[machine.SignalIndex(signals.output)].stuck_time;
+      !signals.set_point.empty() && stuck_time > 0)
+    runs.LeaveOutStanding(stuck_time);
   runs.Finish();
   if (const std::int64_t rejected = reader->counters().rejected_rows; rejected > 0) {
     result.left_out += rejected;
