@@ -38,6 +38,9 @@ struct LoopChange {
   /// Of each parameter: change of its logarithm (a delay: s) for a change of the quantity by a factor of e (a delay: 1 s).
   std::span<const double> direction;
   int sign = 0;  ///< +1, -1: the quantity can only grow, only shrink
+  /// Of a change that is no straight line: share of each parameter in it on the way from `from` to the quantity of `size`,
+  /// the chord; in place of `direction`, which is that of the healthy plant.
+  void (*chord)(std::span<const double> from, double size, std::span<double> direction) = nullptr;
 };
 
 /// A plant that a controller drives: it is measured in closed loop, by the set point that it is excited with from outside.
@@ -53,6 +56,9 @@ struct ClosedLoopPlant {
   /// many. nullptr: there is one only.
   bool (*share_out)(std::span<double> parameters, int way) = nullptr;
   int ways = 0;  ///< at most
+  /// Index of the damping of a pair of poles, real from 1 on: near 1 they may be a double one, and can be shared out from there.
+  /// -1: there is none.
+  int damping = -1;
   std::span<const LoopParameter> parameters;
   /// Relative standard deviation with which a parameter comes back when the same plant is set up and measured again.
   double repeatability = 0;

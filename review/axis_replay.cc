@@ -6,7 +6,10 @@
 #include <optional>
 
 #include "core/contains.h"
+#include "estimation/closed_loop/loop_episodes.h"
+#include "estimation/closed_loop/reversal.h"
 #include "host/text_file.h"
+#include "models/closed_loop.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -192,12 +195,19 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::int64_t silent = 0;  // episodes that tell of no parameter
+  const ClosedLoopPlant* const loop = ClosedLoopOf(machine_);
+  Told reversed;
   std::optional<ReportCollector> collector;
   FirstStrokes first(machine_);
   auto created = TRY(Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
     if (collector) collector->AddStroke(record);
     first.AddStroke(record);
     silent += record.estimates.empty() ? 1 : 0;
+    if (loop != nullptr && record.estimates.size() == loop->parameters.size()) {
+      std::vector<double> parameters;
+      for (const Estimate& estimate : record.estimates) parameters.push_back(estimate.value);
+      reversed = ReversedSignal(*loop, parameters, ReferencesOf(machine_));
+    }
     batch.push_back(std::move(record));
   }));
   Pipeline& pipeline = *created;
@@ -240,6 +250,10 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
     replay.summary.warnings.push_back(cut.text.english);
     // Seen only when the log was over.
     if (cut.narrow && replay.summary.impossible.empty()) replay.summary.impossible = cut.text.english;
+  }
+  if (!reversed.empty()) {
+    replay.summary.warnings.push_back(reversed.english);
+    if (replay.summary.impossible.empty()) replay.summary.impossible = reversed.english;
   }
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(

@@ -196,6 +196,7 @@ constexpr ChangeCase kChangeCases[] = {
      [](TestCylinderOptions& o) { o.K_sv = kGainOf38, o.zeta_h = kZetaWith38; }},
     {"trapped air 0.3 %", "trapped_air", [](TestCylinderOptions& o) { o.trapped_air = 0.003; }},
     {"specimen 10 kN/mm", "specimen_stiffness", [](TestCylinderOptions& o) { o.specimen = 1e7; }},
+    {"leakage 32 mm3/(s kPa)", "piston_leakage", [](TestCylinderOptions& o) { o.leakage = 32e-12; }},
     {"sensor 100 us late", "sensor_delay", [](TestCylinderOptions& o) { o.sensor_delay = 1e-4; }},
     {"saturation at 16 mA", "valve_saturation", [](TestCylinderOptions& o) { o.saturation = 0.016; }},
     {"valve at 130 Hz", "slow_valve", [](TestCylinderOptions& o) { o.f_sv = 130; }},

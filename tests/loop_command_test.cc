@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "tests/command_line_fixture.h"
 
@@ -82,6 +83,54 @@ TEST_F(LoopCommand, TheExchangeOfTheValveIsItsGainThatDoubledAndNothingElse) {
   EXPECT_EQ(json["set"], nlohmann::json({"valve_gain"}));
   EXPECT_NEAR(json["changes"]["valve_gain"]["value"], 2.02, 0.1);
   EXPECT_THAT(ran.out, HasSubstr("Nothing else changed"));
+}
+
+TEST_F(LoopCommand, AReversedPositionIsToldAndNotCompared) {
+  SimulateLoop("c.csv", {"--seconds", "40"});
+  std::string text = ReadText(machine_);
+  const std::string column = "z     = { column = \"z\", unit = \"mm\"";
+  ASSERT_NE(text.find(column), std::string::npos);
+  text.replace(text.find(column), column.size(), column + ", scale = -1");
+  WriteText(File("reversed.toml"), text);
+  const Ran explained =
+      Run({"explain", File("c.csv"), "-m", File("reversed.toml"), "--json", File("x.json")});
+  const auto json = Json("x.json");
+  EXPECT_EQ(json["verdict"], "unknown");
+  EXPECT_EQ(json["reversed"], true);
+  EXPECT_EQ(json["set"].size(), 0u);
+  EXPECT_THAT(explained.out, HasSubstr("reversed between the records: check wiring and sign"));
+  EXPECT_THAT(Run({"frf", File("c.csv"), "-m", File("reversed.toml")}).out,
+              HasSubstr("z or I_v is reversed: K_sv has the other sign than that of the machine file"));
+  EXPECT_THAT(Run({"replay", File("c.csv"), "-m", File("reversed.toml"), "--db", File("c.db")}).out,
+              HasSubstr("z or I_v is reversed"));
+}
+
+TEST_F(LoopCommand, AWrongUnitIsRefusedAsByReplay) {
+  SimulateLoop("c.csv", {"--seconds", "10"});
+  std::string text = ReadText(machine_);
+  text.replace(text.find("unit = \"mA\""), 11, "unit = \"A\"");
+  WriteText(File("amperes.toml"), text);
+  for (const char* command : {"frf", "explain"}) {
+    const Ran ran = Run({command, File("c.csv"), "-m", File("amperes.toml")});
+    EXPECT_EQ(ran.exit_code, 3) << command;
+    EXPECT_THAT(ran.err, HasSubstr("set unit = \"mA\" for I_v")) << command;
+  }
+}
+
+TEST_F(LoopCommand, APositionThatStandsIsLeftOutAndSaid) {
+  SimulateLoop("c.csv", {"--seconds", "20", "--sample-period", "1e-3"});
+  std::istringstream rows(ReadText(File("c.csv")));
+  std::string stuck, row, held;
+  for (int k = 0; std::getline(rows, row); ++k) {
+    const std::size_t last = row.rfind(',');
+    if (k == 8000) held = row.substr(last);
+    stuck += (k > 8000 && k <= 12000 ? row.substr(0, last) + held : row) + "\n";
+  }
+  WriteText(File("stuck.csv"), stuck);
+  for (const char* command : {"frf", "explain"})
+    EXPECT_THAT(Run({command, File("stuck.csv"), "-m", machine_}).out,
+                HasSubstr("4001 of 20000 rows left out (stuck 4001)"))
+        << command;
 }
 
 TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {

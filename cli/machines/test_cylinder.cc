@@ -36,6 +36,7 @@ nlohmann::json TestCylinderTruthJson(const TestCylinderOptions& o) {
             {"saturation", o.saturation},
             {"trapped_air", o.trapped_air},
             {"specimen", o.specimen},
+            {"leakage", o.leakage},
             {"square_root_valve", o.square_root_valve},
             {"leak_share", o.leak_share}}},
           {"drift",
@@ -84,6 +85,7 @@ void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
       ->check(CLI::Range(0.0, 1e5));
   app->add_option("--trapped-air", o.trapped_air, "Share of the chambers' volume");
   app->add_option("--specimen", o.specimen, "Stiffness of the specimen, N/m");
+  app->add_option("--leakage", o.leakage, "Leakage that appears across the piston, m3/(s Pa)");
   app->add_option("--sensor-delay", o.sensor_delay, "Delay of the position's reading, s");
   app->add_option("--saturation", o.saturation, "Current above which the valve does not follow, A; 0 = none");
   app->add_option("--coulomb", o.coulomb, "Coulomb friction, N");

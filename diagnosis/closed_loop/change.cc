@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 constexpr std::size_t kMoreThanAnySet = 100;
 /// Parameters that are not known vary by this much: a factor of e^30.
 constexpr double kUnknownStd = 30;
+/// Times that chords of changes that are no straight lines are drawn anew.
+constexpr int kChords = 4;
 /// Reciprocal condition of scaled normal equations below which directions are one: those that are differ by rounding alone.
 constexpr double kIndependentDirections = 1e-9;
 
@@ -28,15 +30,25 @@ double ChanceOfMore(double chi_squared, int dof) {
 
 bool IsDelay(const LoopParameter& parameter) { return parameter.kind == LoopParameter::Kind::kDelay; }
 
+/// Whether the gain changed its sign. No change of the plant does that.
+bool Reversed(const ClosedLoopPlant& plant, const LoopState& before, const LoopState& after) {
+  for (std::size_t k = 0; k < plant.parameters.size(); ++k)
+    if (plant.parameters[k].kind == LoopParameter::Kind::kGain &&
+        after.parameters[k] * before.parameters[k] < 0)
+      return true;
+  return false;
+}
+
 /// What the parameters moved by, and the covariance of that.
 struct Movement {
   VectorXd by;
-  MatrixXd weight;  // inverse covariance
+  MatrixXd weight;           // inverse covariance
+  std::vector<double> from;  // SI
 };
 
 Movement MovementOf(const ClosedLoopPlant& plant, const LoopState& before, const LoopState& after) {
   const auto count = static_cast<std::ptrdiff_t>(plant.parameters.size());
-  Movement movement{VectorXd(count), MatrixXd()};
+  Movement movement{VectorXd(count), MatrixXd(), before.parameters};
   MatrixXd covariance = before.covariance + after.covariance;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -65,23 +77,41 @@ MatrixXd InverseOf(const MatrixXd& normal) {
   return scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
 }
 
+/// A column for each change of a set, for the sizes that they have.
+MatrixXd DirectionsOf(const Movement& movement, const LoopChangeSet& set) {
+  MatrixXd directions(movement.by.size(), static_cast<std::ptrdiff_t>(set.changes.size()));
+  for (std::size_t k = 0; k < set.changes.size(); ++k) {
+    auto column = directions.col(static_cast<std::ptrdiff_t>(k));
+    const SizedChange& sized = set.changes[k];
+    if (sized.change->chord != nullptr)
+      sized.change->chord(movement.from, std::isfinite(sized.size) ? sized.size : 0,
+                          {column.data(), static_cast<std::size_t>(column.size())});
+    else
+      column = Eigen::Map<const VectorXd>(sized.change->direction.data(), movement.by.size());
+  }
+  return directions;
+}
+
 LoopChangeSet FitChanges(const Movement& movement, const std::vector<const LoopChange*>& changes) {
   LoopChangeSet set;
   set.degrees_of_freedom = static_cast<int>(movement.by.size()) - static_cast<int>(changes.size());
   VectorXd left = movement.by;
-  if (!changes.empty()) {
-    MatrixXd directions(movement.by.size(), static_cast<std::ptrdiff_t>(changes.size()));
-    for (std::size_t k = 0; k < changes.size(); ++k)
-      directions.col(static_cast<std::ptrdiff_t>(k)) =
-          Eigen::Map<const VectorXd>(changes[k]->direction.data(), movement.by.size());
+  bool bent = false;
+  for (const LoopChange* change : changes) {
+    set.changes.push_back({change, 0, 0});
+    bent = bent || change->chord != nullptr;
+  }
+  for (int pass = 0; !changes.empty() && pass < (bent ? kChords : 1); ++pass) {
+    const MatrixXd directions = DirectionsOf(movement, set);
     const MatrixXd normal = directions.transpose() * movement.weight * directions;
     const MatrixXd covariance = InverseOf(normal);
     const VectorXd sizes = covariance * (directions.transpose() * movement.weight * movement.by);
     for (std::size_t k = 0; k < changes.size(); ++k) {
       const auto at = static_cast<std::ptrdiff_t>(k);
-      set.changes.push_back({changes[k], sizes(at), std::sqrt(NonNegative(covariance(at, at)))});
+      set.changes[k].size = sizes(at);
+      set.changes[k].std = std::sqrt(NonNegative(covariance(at, at)));
     }
-    left -= directions * sizes;
+    left = movement.by - directions * sizes;
   }
   set.chi_squared = left.dot(movement.weight * left);
   set.p_value = ChanceOfMore(set.chi_squared, set.degrees_of_freedom);
@@ -123,9 +153,18 @@ bool Apart(const LoopChangeSet& a, const LoopChangeSet& b) {
   });
 }
 
+/// Whether nothing is left beyond chance, neither over all parameters nor in the direction of any change: what is left over all
+/// of them drowns a single sharp one. Of so many directions one is the likelier to stand out by chance.
+bool NothingChanged(const Movement& movement, const LoopComparisonOptions& options,
+                    const LoopComparison& comparison) {
+  const double each = options.least_p / static_cast<double>(comparison.plant->changes.size());
+  return comparison.nothing.p_value >= options.least_p &&
+         SetsOf(*comparison.plant, movement, 1, each).empty();
+}
+
 /// The smallest set that suffices, those that do as well, and those of one change more whose parts make up the same movement.
 void FindSet(const Movement& movement, const LoopComparisonOptions& options, LoopComparison& comparison) {
-  if (comparison.nothing.p_value >= options.least_p) {
+  if (NothingChanged(movement, options, comparison)) {
     comparison.verdict = LoopComparison::Verdict::kAdequate;
     comparison.set = comparison.nothing;
     return;
@@ -167,6 +206,23 @@ LoopComparison CompareOneWay(const ClosedLoopPlant& plant, const LoopState& befo
   return comparison;
 }
 
+/// Gain and delay alone.
+LoopState WithoutPoles(const ClosedLoopPlant& plant, LoopState state) {
+  for (std::size_t k = 0; k < plant.parameters.size(); ++k)
+    if (plant.parameters[k].kind == LoopParameter::Kind::kPositive) state.parameters[k] = kNaN;
+  return state;
+}
+
+LoopComparison CompareWithoutPoles(const ClosedLoopPlant& plant, const LoopState& before,
+                                   const LoopState& after, const LoopComparisonOptions& options) {
+  LoopComparison comparison =
+      CompareOneWay(plant, WithoutPoles(plant, before), WithoutPoles(plant, after), options);
+  comparison.before = before;
+  comparison.after = after;
+  comparison.poles_unknown = true;
+  return comparison;
+}
+
 /// Fewer changes are better, then a smaller remainder.
 bool Simpler(const LoopComparison& a, const LoopComparison& b) {
   const auto rank = [](const LoopComparison& c) {
@@ -193,10 +249,21 @@ const char* VerdictName(LoopComparison::Verdict verdict) {
 
 LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& before,
                                  const LoopState& after, const LoopComparisonOptions& options) {
-  LoopComparison comparison = CompareOneWay(plant, before, after, options);
-  for (int way = 0; way < plant.ways; ++way) {
+  if (Reversed(plant, before, after)) {
+    LoopComparison comparison;
+    comparison.plant = &plant;
+    comparison.verdict = LoopComparison::Verdict::kUnknown;
+    comparison.reversed = true;
+    comparison.before = before;
+    comparison.after = after;
+    return comparison;
+  }
+  const bool poles_known = KnownOneByOne(plant, before) && KnownOneByOne(plant, after);
+  LoopComparison comparison = poles_known ? CompareOneWay(plant, before, after, options)
+                                          : CompareWithoutPoles(plant, before, after, options);
+  for (int way = 0; poles_known && way < plant.ways; ++way) {
     const auto other = SharedOut(plant, after, way);
-    if (!other) continue;
+    if (!other || !KnownOneByOne(plant, *other)) continue;
     LoopComparison compared = CompareOneWay(plant, before, {*other, after.input_limit}, options);
     if (Simpler(compared, comparison)) comparison = std::move(compared);
   }
@@ -205,6 +272,8 @@ LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& 
   if ((comparison.limit_appeared || comparison.limit_went) &&
       comparison.verdict == LoopComparison::Verdict::kAdequate)
     comparison.verdict = LoopComparison::Verdict::kNamed;
+  if (comparison.poles_unknown && comparison.verdict == LoopComparison::Verdict::kAdequate)
+    comparison.verdict = LoopComparison::Verdict::kUnknown;
   return comparison;
 }
 

@@ -35,7 +35,7 @@ struct LoopComparison {
     kAdequate,   ///< nothing changed
     kNamed,      ///< `set` did
     kAmbiguous,  ///< another set of the same size does as well: `others`
-    kUnknown,    ///< no set of up to three changes leads there
+    kUnknown,    ///< no set of up to three changes leads there, `poles_unknown` or `reversed`
   };
   const ClosedLoopPlant* plant = nullptr;
   Verdict verdict = Verdict::kAdequate;
@@ -45,6 +45,8 @@ struct LoopComparison {
   LoopChangeSet nothing;                 ///< no change at all
   std::vector<LoopChangeSet> singles;    ///< every change alone, best first
   bool limit_appeared = false, limit_went = false;
+  bool poles_unknown = false;  ///< in one of the records; their changes are not seen, and never kAdequate
+  bool reversed = false;       ///< the gain changed its sign, a signal did: nothing is compared, kUnknown
   LoopState before, after;
 };
 /// "adequate", "named", "ambiguous", "unknown".
@@ -52,15 +54,18 @@ const char* VerdictName(LoopComparison::Verdict verdict);
 
 /// Of chance; what they name and leave is what `hydroscope benchmark test-cylinder --changes` counts.
 struct LoopComparisonOptions {
-  double least_p = 0.01;  ///< chance from which what is left counts as error of the records
-  double as_good = 6;     ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20
-  std::size_t most = 3;   ///< changes at once
+  /// Chance from which what is left counts as error of the records: over all parameters, and in the directions of all changes
+  /// together.
+  double least_p = 0.01;
+  double as_good = 6;    ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20
+  std::size_t most = 3;  ///< changes at once
 };
 
 /// Which of the plant's changes lead from `before` to `after`: the smallest set of them after which the rest is within the
 /// errors of both records and the repeatability of the plant (generalised least squares over the logarithms). No member of a set
 /// may be without effect, or of the sign that its quantity cannot have. Poles of `after` that can be shared out in several ways
-/// are taken in the way that needs the fewest changes: a pole that became real need not be the valve's.
+/// are taken in the way that needs the fewest changes: a pole that became real need not be the valve's. A gain of the other sign
+/// is a signal that was reversed, and nothing is compared.
 LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& before,
                                  const LoopState& after, const LoopComparisonOptions& options = {});
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "machines/test_cylinder/kind.h"
 #include "machines/test_cylinder/response.h"
 
@@ -76,6 +77,92 @@ TEST(LoopChange, PolesThatAirMadeRealAreSharedOutSoThatTheFewestChangesDo) {
   EXPECT_GT(air.parameters[2], 300) << "the valve's pole passes for one of the oil column's";
   EXPECT_THAT(Ids(CompareLoopStates(kTestCylinderPlant, Cylinder(), air).set),
               testing::ElementsAre("trapped_air"));
+}
+
+TEST(LoopChange, AGainOfTheOtherSignIsAReversedSignalAndNothingIsCompared) {
+  LoopState after = Cylinder();
+  after.parameters[3] *= -1;
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
+  EXPECT_TRUE(c.reversed);
+  EXPECT_EQ(c.verdict, LoopVerdict::kUnknown);
+  EXPECT_TRUE(c.set.changes.empty());
+  EXPECT_FALSE(CompareLoopStates(kTestCylinderPlant, after, after).reversed);
+}
+
+TEST(LoopChange, ASharpChangeOfTheGainDoesNotDrownInWhatTheOtherFiguresLeave) {
+  for (const double factor : {0.95, 1.05}) {
+    LoopState after = Cylinder();
+    after.parameters[3] *= factor;
+    const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
+    EXPECT_GT(c.nothing.p_value, 0.01) << "over all figures nothing stands out";
+    EXPECT_NE(c.verdict, LoopVerdict::kAdequate) << factor;
+    EXPECT_THAT(Ids(c.set), testing::ElementsAre("valve_gain")) << factor;
+  }
+}
+
+/// Of a cylinder that friction alone damped, as its physical constants have it (the paper's eq. 9).
+LoopState WithLeakage(double leakage) {
+  const double area = 1300.6e-6, volume = 167523e-9, mass = 6.07;
+  LoopState state = Cylinder();
+  double &f_h = state.parameters[0], &zeta_h = state.parameters[1];
+  const double w = kTwoPi * f_h, friction = 2 * zeta_h * w * mass;
+  const double spring =
+      volume / (4 * area * area) * (4 * area * area / (volume * mass * w * w));  // V/(4 K A^2)
+  const double a = mass * spring, b = friction * spring + mass * leakage / (area * area);
+  const double c = 1 + friction * leakage / (area * area);
+  f_h = std::sqrt(c / a) / kTwoPi;
+  zeta_h = b / (2 * std::sqrt(a * c));
+  state.parameters[3] /= c;
+  return state;
+}
+
+TEST(LoopChange, LeakageAcrossThePistonIsNamedAndNoSpecimen) {
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), WithLeakage(32e-12));
+  EXPECT_EQ(c.verdict, LoopVerdict::kNamed);
+  ASSERT_THAT(Ids(c.set), testing::ElementsAre("piston_leakage"));
+  EXPECT_NEAR(std::exp(c.set.changes[0].size), 0.0114 / WithLeakage(32e-12).parameters[3], 1e-3);
+  EXPECT_LT(c.set.chi_squared, 1e-6) << "the curve and not its beginning";
+  ASSERT_FALSE(c.imitators.empty());
+  EXPECT_THAT(Ids(c.imitators.front()), testing::UnorderedElementsAre("friction", "specimen_stiffness"));
+}
+
+TEST(LoopChange, LittleLeakageIsNotToldFromASpecimen) {
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), WithLeakage(8e-12));
+  EXPECT_EQ(c.verdict, LoopVerdict::kAmbiguous);
+  std::vector<std::string_view> all = Ids(c.set);
+  for (const LoopChangeSet& other : c.others)
+    for (const std::string_view id : Ids(other)) all.push_back(id);
+  EXPECT_THAT(all, testing::IsSupersetOf({"piston_leakage", "specimen_stiffness"}));
+}
+
+TEST(LoopChange, PolesThatMayBeOneAreSharedOutToo) {
+  LoopState worn =
+      Cylinder();  // friction 40 % up: poles at 149 Hz and 160 Hz, which a record takes for a double one
+  worn.parameters = {154.4, 0.9999, 796, 0.0114, 0};
+  worn.covariance.diagonal() << 9e-6, 9.7e-6, 1.2e-3, 1.6e-6, 1.4e-11;
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), worn);
+  EXPECT_EQ(c.verdict, LoopVerdict::kNamed);
+  EXPECT_THAT(Ids(c.set), testing::ElementsAre("friction"));
+  const LoopEstimate meant = NearestWay(kTestCylinderPlant, worn, Cylinder().parameters);
+  EXPECT_NEAR(meant.parameters[0], 350, 1);
+  EXPECT_NEAR(meant.parameters[2], 160, 2 * meant.Std(kTestCylinderPlant.parameters[2], 2));
+  EXPECT_GT(meant.Std(kTestCylinderPlant.parameters[2], 2), 0.03 * 160) << "over both of the pair";
+  worn.parameters[1] = 0.9;  // surely a pair that swings
+  EXPECT_EQ(NearestWay(kTestCylinderPlant, worn, Cylinder().parameters).parameters[0], 154.4);
+}
+
+TEST(LoopChange, OfPolesThatAreNotToldApartNothingIsConcluded) {
+  LoopState brief = Cylinder();  // the same cylinder in few seconds, which tell of a double pole and another
+  brief.parameters = {204.9, 0.999, 509, 0.01133, 2e-5};
+  brief.covariance.diagonal() << 0.3, 0.04, 1.9, 3e-5, 1e-10;
+  LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), brief);
+  EXPECT_TRUE(c.poles_unknown);
+  EXPECT_EQ(c.verdict, LoopVerdict::kUnknown);
+  EXPECT_TRUE(c.set.changes.empty());
+  brief.parameters[3] *= 0.5;
+  c = CompareLoopStates(kTestCylinderPlant, Cylinder(), brief);
+  EXPECT_EQ(c.verdict, LoopVerdict::kAmbiguous) << "the gain did change";
+  EXPECT_FALSE(CompareLoopStates(kTestCylinderPlant, Cylinder(), Cylinder()).poles_unknown);
 }
 
 TEST(LoopChange, TwoChangesAtOnceAreBothNamed) {

@@ -22,11 +22,14 @@ Status CheckCausality(const ClosedLoopPlant& plant, const LoopEstimate& estimate
     if (rows > -kSureOfDelay * std / sample_period - kLeastOfRow) continue;
     if (std::abs(rows - std::round(rows)) < kLeastOfRow) continue;
     return BadInput(Tell(
-        "{} answers {:.3g} ± {:.2g} ms before {}, which no plant does: these rows are slower than the controller, whose steps "
-        "between them are missing (or the two columns are a part of a row apart); record every row of the controller",
-        "{} antwortet {:.3g} ± {:.2g} ms vor {}, was keine Strecke tut: diese Zeilen sind langsamer als der Regler, dessen "
-        "Stufen dazwischen fehlen (oder die zwei Spalten sind um einen Teil einer Zeile verschoben); "
-        "jede Zeile des Reglers aufzeichnen",
+        "{} answers {:.3g} ± {:.2g} ms before {}, which no plant does. Either these rows are slower than the controller, whose "
+        "steps between them are missing (or the two columns are a part of a row apart): record every row of the controller. Or "
+        "something moves along that the transfer function does not have, a resonance of the fixture or another mode: look for "
+        "peaks and dips of the measured gain, and record without the fixture",
+        "{} antwortet {:.3g} ± {:.2g} ms vor {}, was keine Strecke tut. Entweder sind diese Zeilen langsamer als der Regler, "
+        "dessen Stufen dazwischen fehlen (oder die zwei Spalten sind um einen Teil einer Zeile verschoben): jede Zeile des "
+        "Reglers aufzeichnen. Oder es schwingt etwas mit, das die Übertragungsfunktion nicht hat, eine Resonanz der Aufnahme "
+        "oder eine andere Eigenform: in der gemessenen Verstärkung nach Spitzen und Einbrüchen sehen, und ohne Aufnahme aufzeichnen",
         plant.output, -1e3 * delay, 1e3 * kNormal95 * std, plant.input));
   }
   return {};

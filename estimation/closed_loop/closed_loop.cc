@@ -8,6 +8,7 @@
 #include "core/told_error.h"
 #include "estimation/closed_loop/causality.h"
 #include "estimation/closed_loop/input_limit.h"
+#include "estimation/closed_loop/reversal.h"
 #include "estimation/frequency_response/model.h"
 
 namespace hydroscope {
@@ -121,6 +122,8 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
   if (!known.empty())
     static_cast<LoopEstimate&>(*response.fit) = NearestWay(*model.plant, *response.fit, known);
   TakeParameters(*model.plant, response);
+  if (Told reversed = ReversedSignal(*model.plant, response.fit->parameters, known); !reversed.empty())
+    response.warnings.push_back(std::move(reversed));
   if (response.fit->inflation > 1)
     response.warnings.push_back(Tell(
         "the transfer function does not describe the response within its noise: misfit is {:.3g} times the noise, intervals "

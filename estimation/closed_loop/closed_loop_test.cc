@@ -126,6 +126,7 @@ TEST(ClosedLoop, RowsThatAreSlowerThanTheControllerGiveNoParameters) {
     EXPECT_FALSE(response->fit) << apart;
     EXPECT_TRUE(response->parameters.empty()) << apart;
     EXPECT_THAT(response->no_fit.english, HasSubstr("slower than the controller")) << apart;
+    EXPECT_THAT(response->no_fit.english, HasSubstr("a resonance of the fixture")) << apart;
   }
 }
 

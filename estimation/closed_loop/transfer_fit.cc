@@ -7,7 +7,6 @@
 
 #include "core/constants.h"
 #include "core/distributions.h"
-#include "core/non_negative.h"
 #include "estimation/decompositions.h"
 #include "estimation/frequency_response/second_order.h"
 #include "estimation/frequency_response/welch.h"
@@ -28,8 +27,6 @@ constexpr int kPasses = 3;            // noise from the ratio, then twice from t
 constexpr double kSameValley = 1e-3;  // relative difference of chi^2 of two ends of the search in one valley
 // Chance of a smaller chi^2 from noise alone, from which intervals are widened.
 constexpr double kLikelyMisfit = 0.999;
-// Standard deviation of a parameter's logarithm above which its pole is not told from others.
-constexpr double kKnownOneByOne = 0.3;
 constexpr double kMeanSquareOfHann = 3.0 / 8;
 constexpr double kSlopeStep = 1e-5;  // of a search coordinate: its slopes are good to 1e-9
 
@@ -352,53 +349,6 @@ Complex TransferModel::Response(double frequency, const std::vector<double>& par
       },
       kImagesOfPlant);
   return sum;
-}
-
-double LoopEstimate::Std(const LoopParameter& parameter, std::size_t index) const {
-  const auto i = static_cast<std::ptrdiff_t>(index);
-  const double std = std::sqrt(NonNegative(covariance(i, i)));
-  return parameter.kind == LoopKind::kDelay ? std : std * std::abs(parameters[index]);
-}
-
-std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEstimate& estimate, int way) {
-  LoopEstimate other = estimate;
-  if (plant.share_out == nullptr || !plant.share_out(other.parameters, way)) return std::nullopt;
-  const auto count = static_cast<std::ptrdiff_t>(other.parameters.size());
-  MatrixXd slopes = MatrixXd::Identity(count, count);  // of logarithms
-  for (std::ptrdiff_t j = 0; j < count; ++j) {
-    if (plant.parameters[j].kind != LoopKind::kPositive) continue;
-    std::vector<double> up = estimate.parameters, down = estimate.parameters;
-    up[j] *= 1 + kSlopeStep;
-    down[j] *= 1 - kSlopeStep;
-    if (!plant.share_out(up, way) || !plant.share_out(down, way)) return std::nullopt;
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (plant.parameters[at].kind == LoopKind::kPositive)
-        slopes(i, j) = std::log(up[at] / down[at]) / (2 * kSlopeStep);
-    }
-  }
-  other.covariance = slopes * estimate.covariance * slopes.transpose();
-  for (std::ptrdiff_t i = 0; i < count; ++i)
-    if (plant.parameters[i].kind == LoopKind::kPositive &&
-        !(std::sqrt(other.covariance(i, i)) <= kKnownOneByOne))
-      return std::nullopt;
-  return other;
-}
-
-LoopEstimate NearestWay(const ClosedLoopPlant& plant, const LoopEstimate& estimate,
-                        const std::vector<double>& known) {
-  const auto distance = [&](const LoopEstimate& e) {
-    double sum = 0;
-    for (std::size_t i = 0; i < e.parameters.size(); ++i)
-      if (plant.parameters[i].kind == LoopKind::kPositive && known[i] > 0)
-        sum += std::pow(std::log(e.parameters[i] / known[i]), 2);
-    return sum;
-  };
-  LoopEstimate nearest = estimate;
-  for (int way = 0; way < plant.ways; ++way)
-    if (const auto other = SharedOut(plant, estimate, way); other && distance(*other) < distance(nearest))
-      nearest = *other;
-  return nearest;
 }
 
 Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,

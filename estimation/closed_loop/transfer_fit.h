@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "estimation/closed_loop/cross_spectra.h"
+#include "estimation/closed_loop/loop_estimate.h"
 #include "estimation/recursive/episode_model.h"
 #include "models/closed_loop.h"
 
@@ -21,23 +22,6 @@ struct TransferModel {
   /// Output over input at a frequency (Hz) at the instants of the rows.
   std::complex<double> Response(double frequency, const std::vector<double>& parameters) const;
 };
-
-/// Parameters with what is known of their errors.
-struct LoopEstimate {
-  std::vector<double> parameters;  ///< SI, as ClosedLoopPlant::parameters
-  /// Of the logarithms of positive parameters and of the gain's magnitude, of a delay itself.
-  Eigen::MatrixXd covariance;
-
-  /// Of a parameter, SI.
-  double Std(const LoopParameter& parameter, std::size_t index) const;
-};
-
-/// The same response with its poles shared out in another way (ClosedLoopPlant::share_out); nothing if there is no such way, or
-/// poles lie so close together that they are not known one by one.
-std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEstimate& estimate, int way);
-/// Of all ways the one nearest to `known` (SI; NaN: not known), in logarithms.
-LoopEstimate NearestWay(const ClosedLoopPlant& plant, const LoopEstimate& estimate,
-                        const std::vector<double>& known);
 
 /// A valley that the search ended in.
 struct TransferMinimum {

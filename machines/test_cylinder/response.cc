@@ -18,7 +18,7 @@ std::complex<double> TestCylinderResponse(std::complex<double> s, std::span<cons
 
 bool ShareOutPoles(std::span<double> parameters, int way) {
   double &f_h = parameters[0], &zeta_h = parameters[1], &f_sv = parameters[2];
-  if (!(zeta_h > 1)) return way == 0;
+  if (!(zeta_h >= 1)) return way == 0;
   if (way < 0 || way > 2) return false;
   const double apart = std::sqrt(zeta_h * zeta_h - 1);
   const std::array<double, 3> poles = {f_h * (zeta_h - apart), f_h * (zeta_h + apart), f_sv};

@@ -9,6 +9,7 @@
 #include "core/constants.h"
 #include "core/told_error.h"
 #include "core/units.h"
+#include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
 
@@ -140,8 +141,18 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
     const auto any = SizeByUnit(unit->si);
     if (!any || (measure >= any->low && measure <= any->high)) return {};
   }
-  // A machine at rest shows little of anything.
-  if (measure < plausible->low && plausible->of != PlausibleSize::kMean && !seen.moves) return {};
+  // A machine at rest shows little of anything; a loop whose set point is excited does not rest.
+  const auto excited = [&] {
+    const ClosedLoopPlant* const loop = ClosedLoopOf(machine_);
+    const int at = loop != nullptr ? machine_.SignalIndex(std::string(loop->set_point)) : -1;
+    if (at < 0) return false;
+    const SignalSpec& set_point = machine_.signals[static_cast<std::size_t>(at)];
+    const auto its_unit = FindUnit(set_point.unit);
+    const auto size = its_unit ? SizeOf(machine_, set_point, its_unit->si) : std::nullopt;
+    return size && Seen(static_cast<std::size_t>(at)).Measure(*size) >= size->low;
+  };
+  if (measure < plausible->low && plausible->of != PlausibleSize::kMean && !seen.moves && !excited())
+    return {};
   std::string better;
   for (const char* name : UsualUnits(unit->si)) {
     const auto other = FindUnit(name);

@@ -25,7 +25,7 @@ void TestCylinderPlant::Become(const TestCylinderOptions& o) {
   // w_h^2 = 4 K A^2/(V m) and 2 zeta/w_h = B/(m w_h^2) + C m/A^2, as if neither friction nor leakage changed the other terms.
   compressibility_ = 4 * Squared(o.area) / (o.volume * o.mass * Squared(w_h));
   friction_ = (1 - o.leak_share) * 2 * o.zeta_h * w_h * o.mass;
-  leakage_ = o.leak_share * 2 * o.zeta_h / w_h * Squared(o.area) / o.mass;
+  leakage_ = o.leak_share * 2 * o.zeta_h / w_h * Squared(o.area) / o.mass + o.leakage;
 }
 
 TestCylinderPlant::State TestCylinderPlant::Rates(const State& state, double current) const {

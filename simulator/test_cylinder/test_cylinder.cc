@@ -216,6 +216,7 @@ Status Validate(const TestCylinderOptions& o) {
                                     {"saturation", o.saturation, 0, 1, "A"},
                                     {"trapped air", o.trapped_air, 0, 0.5, "1"},
                                     {"specimen", o.specimen, 0, 1e9, "N/m"},
+                                    {"leakage", o.leakage, 0, 1e-9, "m3/(s Pa)"},
                                     {"begin of the drift", o.drift.from, 0, 1e5, "s"}});
       !s)
     return s;

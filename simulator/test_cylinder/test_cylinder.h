@@ -43,6 +43,7 @@ struct TestCylinderOptions {
   double saturation = 0;           ///< A, current above which the valve does not follow; 0 = none
   double trapped_air = 0;          ///< share of the chambers' volume at mean pressure
   double specimen = 0;             ///< N/m
+  double leakage = 0;              ///< m3/(s Pa), across the piston, beside that of leak_share
   bool square_root_valve = false;  ///< flow falls with the root of the pressure left over the edges
   TestCylinderDrift drift = {};
 };

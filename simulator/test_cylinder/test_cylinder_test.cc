@@ -63,6 +63,11 @@ TEST(TestCylinder, EffectsMoveTheTruthAsPhysicsSays) {
   o.specimen = 1e7;
   EXPECT_GT(TruthOf(o).f_h, 380);
   EXPECT_LT(TruthOf(o).K_sv, 0.009);
+  o.specimen = 0;
+  o.leakage = 32e-12;
+  EXPECT_GT(TruthOf(o).f_h, 400);
+  EXPECT_LT(TruthOf(o).K_sv, 0.008);
+  EXPECT_LT(TruthOf(o).zeta_h, 0.93);
 }
 
 TEST(TestCylinder, OptionsOutsideWhatCanBeAreRefusedByName) {

@@ -120,7 +120,7 @@ export interface ValveResult extends ValveFigures {
 export interface LoopSet { set: string[]; parameters: Record<string, { value: number; std: number; unit: string }> }
 export interface LoopChanges {
   verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; changes: LoopSet["parameters"]; others: LoopSet[]; imitators: LoopSet[];
-  ranking: { effect: string; chi_squared: number; parameters: LoopSet["parameters"] }[]; input_limit: number | null;
+  ranking: { effect: string; chi_squared: number; parameters: LoopSet["parameters"] }[]; input_limit: number | null; reversed: boolean;
   parameters: Record<string, { before: { value: number; std: number }; after: { value: number; std: number }; unit: string; change: number; relative: boolean }>;
   known: Record<string, { quantity: string; sentence: string; german: { quantity: string; sentence: string } }>;
   warnings: string[]; german?: { warnings: string[] }; text: string;

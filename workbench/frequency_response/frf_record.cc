@@ -1,5 +1,6 @@
 #include "workbench/frequency_response/frf_record.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,6 +18,8 @@ constexpr Quality kUnusable =
     quality::kMissing | quality::kOutOfRange | quality::kDuplicate | quality::kTimeBackwards;
 constexpr Quality kNewRun = quality::kGap | quality::kClockJump;
 constexpr std::size_t kRowsAtOnce = 4096;
+/// Over which a reading must repeat before it stands, however short the machine file's time.
+constexpr std::size_t kStuckRows = 20;
 
 /// Mean of a slow signal over its good values.
 class Mean {
@@ -45,6 +48,7 @@ class RunBuilder {
       : input_(machine.SignalIndex(signals.input)),
         output_(machine.SignalIndex(signals.output)),
         set_point_(machine.SignalIndex(signals.set_point)),
+        unusable_(set_point_ < 0 ? kUnusable : kUnusable | quality::kStuck),
         full_scale_(signals.full_scale),
         result_(result) {}
 
@@ -53,7 +57,7 @@ class RunBuilder {
       Quality flags = block.quality[input_][n] | block.quality[output_][n];
       if (set_point_ >= 0) flags |= block.quality[set_point_][n];
       if (flags & kNewRun) open_ = false;
-      if (flags & kUnusable) {
+      if (flags & unusable_) {
         Count(flags);
         // A row that came twice tears no hole; any other lost row does.
         if (!(flags & quality::kDuplicate)) open_ = false;
@@ -69,6 +73,36 @@ class RunBuilder {
     result_.rows += static_cast<std::int64_t>(block.rows());
   }
 
+  /// Leaves out where the output of a closed loop stands for longer than `stuck_time` (s) while its set point moves. The monitor
+  /// judges noisy sensors only, and a rod that is driven all the time moves without noise.
+  void LeaveOutStanding(double stuck_time) {
+    const auto least =
+        std::max(kStuckRows, static_cast<std::size_t>(stuck_time / result_.record.sample_period));
+    std::vector<SignalRun> runs;
+    for (SignalRun& run : result_.record.runs) {
+      std::size_t begin = 0;
+      const auto keep = [&](std::size_t end) {
+        if (end > begin) runs.push_back(Part(run, begin, end));
+      };
+      for (std::size_t from = 0, to = 0; from < run.output.size(); from = to) {
+        for (to = from + 1; to < run.output.size() && run.output[to] == run.output[from];) ++to;
+        const auto at = [&](std::size_t row) {
+          return run.set_point.begin() + static_cast<std::ptrdiff_t>(row);
+        };
+        if (to - from <= least || std::all_of(at(from), at(to), [&](double r) { return r == *at(from); }))
+          continue;
+        keep(from);
+        begin = to;
+        result_.left_out += static_cast<std::int64_t>(to - from);
+        for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i)
+          if (quality::kFlagNames[i].flag == quality::kStuck)
+            counts_[i] += static_cast<std::int64_t>(to - from);
+      }
+      keep(run.output.size());
+    }
+    result_.record.runs = std::move(runs);
+  }
+
   void Finish() {
     for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
       if (counts_[i] == 0) continue;
@@ -78,14 +112,24 @@ class RunBuilder {
   }
 
  private:
+  SignalRun Part(const SignalRun& run, std::size_t begin, std::size_t end) const {
+    const auto part = [&](const std::vector<double>& values) {
+      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 values.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    return {run.start + static_cast<double>(begin) * result_.record.sample_period, part(run.input),
+            part(run.output), part(run.set_point)};
+  }
+
   void Count(Quality flags) {
     ++result_.left_out;
     for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
-      if (flags & kUnusable & quality::kFlagNames[i].flag) ++counts_[i];
+      if (flags & unusable_ & quality::kFlagNames[i].flag) ++counts_[i];
     }
   }
 
   int input_, output_, set_point_;  // set_point_ < 0: none
+  Quality unusable_;                // of a closed loop also a sensor that stands
   double full_scale_;
   FrfRecord& result_;
   bool open_ = false;
@@ -111,12 +155,14 @@ Status CheckValveSignals(const Machine& machine) {
   return {};
 }
 
-/// The machine reduced to what the check needs: other signals are optional, standing still is allowed.
+/// The machine reduced to what the check needs: other signals are optional, standing still is allowed but for what a closed loop
+/// moves.
 Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
   for (SignalSpec& signal : machine.signals) {
     signal.required =
         signal.name == signals.input || signal.name == signals.output || signal.name == signals.set_point;
-    if (signal.required) signal.stuck_time = 0;
+    const bool moved = signal.name == signals.output && !signals.set_point.empty();
+    if (signal.required && !moved) signal.stuck_time = 0;
   }
   return machine;
 }
@@ -148,6 +194,9 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
     oil.Add(block);
     progress.Update(reader->Progress(), result.rows);
   }
+  if (const double stuck_time = machine.signals[machine.SignalIndex(signals.output)].stuck_time;
+      !signals.set_point.empty() && stuck_time > 0)
+    runs.LeaveOutStanding(stuck_time);
   runs.Finish();
   if (const std::int64_t rejected = reader->counters().rejected_rows; rejected > 0) {
     result.left_out += rejected;

@@ -32,7 +32,7 @@ struct FrfSignals {
 /// Reads input and output (in closed loop the set point too) from `path`; the machine's other signals need not be in the
 /// log. The record is cut at gaps, clock jumps and values that are missing or out of range; nothing is
 /// interpolated. Flags for standing still and spikes are not heeded: a command may pause, a fast sine jumps
-/// by nature.
+/// by nature. Only the output of a closed loop, which is driven all the time, is left out where it stands (`stuck_time`).
 Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine, const FrfSignals& signals);
 /// `why` no response comes of the record of `what`, with the rows that were left out.
 Error NotMeasured(const std::string& what, const Error& why, const FrfRecord& record);

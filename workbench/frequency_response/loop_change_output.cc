@@ -77,7 +77,7 @@ std::string VerdictText(const LoopComparison& comparison) {
       for (const SizedChange& sized : set.changes)
         text += fmt::format("named: {}\n  {}: {}\n  {}\n", sized.change->id, sized.change->quantity,
                             SizeText(sized), sized.change->sentence);
-      if (!set.changes.empty())
+      if (!set.changes.empty() && !comparison.poles_unknown)
         text += fmt::format(
             "Nothing else changed: what is left is within the errors (chi^2 {:.1f} at {} degrees of freedom).\n",
             set.chi_squared, set.degrees_of_freedom);
@@ -90,6 +90,12 @@ std::string VerdictText(const LoopComparison& comparison) {
         text += fmt::format("At once, these would look the same: {}.\n", SetText(imitator));
       return text;
     case LoopComparison::Verdict::kUnknown:
+      if (comparison.reversed)
+        return fmt::format(
+            "unknown: {} or {} is reversed between the records: check wiring and sign; nothing else is compared before\n",
+            comparison.plant->output, comparison.plant->input);
+      if (comparison.poles_unknown && set.changes.empty())
+        return "unknown: gain and delay did not change; whether the poles did, these records do not say\n";
       return fmt::format("unknown: no set of changes that are known leads there; nearest: {}\n",
                          set.changes.empty() ? "none" : SetText(set));
   }
@@ -123,6 +129,12 @@ nlohmann::json KnownChangesJson(const ClosedLoopPlant& plant) {
   return known;
 }
 
+std::vector<Told> WarningsOfChange(const LoopChangeResult& result) {
+  std::vector<Told> warnings = result.after.response.warnings;
+  for (const Told& text : RowWarnings(result.after.log)) warnings.push_back(text);
+  return warnings;
+}
+
 }  // namespace
 
 std::string LoopChangeText(const LoopChangeResult& result) {
@@ -136,17 +148,23 @@ std::string LoopChangeText(const LoopChangeResult& result) {
     text += fmt::format("named: {}\n  {}: up to {:.3g} A\n  {}\n", limit.id, limit.quantity,
                         *comparison.after.input_limit, limit.sentence);
   if (comparison.limit_went) text += fmt::format("{}: no longer limited\n", limit.quantity);
-  const bool only_limit = comparison.limit_appeared && comparison.nothing.p_value >= 0.01;
-  text += only_limit ? "Nothing else changed.\n" : VerdictText(comparison);
-  for (const Told& warning : result.after.response.warnings)
-    text += fmt::format("Note: {}\n", warning.english);
+  const bool only_limit = comparison.limit_appeared && comparison.set.changes.empty() &&
+                          comparison.verdict == LoopComparison::Verdict::kNamed;
+  if (only_limit)
+    text += comparison.poles_unknown ? "" : "Nothing else changed.\n";
+  else
+    text += VerdictText(comparison);
+  if (comparison.poles_unknown)
+    text +=
+        "The poles are not told apart in one of the records, changes of them are not seen: record longer, or excite more.\n";
+  for (const Told& warning : WarningsOfChange(result)) text += fmt::format("Note: {}\n", warning.english);
   return text;
 }
 
 nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
   const LoopComparison& comparison = result.comparison;
   const MachineKind& kind = KindOf(result.machine);
-  const std::vector<Told>& warnings = result.after.response.warnings;
+  const std::vector<Told> warnings = WarningsOfChange(result);
   nlohmann::json json = {{"verdict", VerdictName(comparison.verdict)},
                          {"set", IdsOf(comparison)},
                          {"since", result.since},
@@ -157,6 +175,8 @@ nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
                          {"imitators", nlohmann::json::array()},
                          {"parameters", nlohmann::json::object()},
                          {"input_limit", nullptr},
+                         {"reversed", comparison.reversed},
+                         {"poles_unknown", comparison.poles_unknown},
                          {"known", KnownChangesJson(*comparison.plant)},
                          {"warnings", InEnglish(warnings)},
                          {"german", {{"warnings", InGerman(warnings)}}}};

@@ -4,11 +4,13 @@
 
 #include "estimation/closed_loop/loop_episodes.h"
 #include "models/closed_loop.h"
+#include "pipeline/log_faults/physical_sizes.h"
 
 namespace hydroscope {
 
 Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, const LoopOptions& options) {
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
+  TRY(JudgeSizes(path, machine));
   auto log = TRY(ReadFrfRecord(
       path, machine, {std::string(plant.input), std::string(plant.output), 1, std::string(plant.set_point)}));
   TransferModel model = TransferModelOf(machine, log.record.sample_period);
@@ -17,6 +19,16 @@ Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, 
   auto response = MeasureClosedLoop(log.record, model, as_known);
   if (!response) return tl::unexpected(NotMeasured(path, response.error(), log));
   return LoopLog{path, std::move(log), std::move(model), std::move(*response)};
+}
+
+std::vector<Told> RowWarnings(const FrfRecord& log) {
+  std::vector<Told> warnings;
+  if (log.left_out > 0)
+    warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})", log.left_out,
+                            log.rows, log.left_out_why));
+  for (const Told& text : {log.time_base, log.twins})
+    if (!text.empty()) warnings.push_back(text);
+  return warnings;
 }
 
 std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& response) {

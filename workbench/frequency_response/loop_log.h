@@ -21,6 +21,9 @@ struct LoopLog {
 Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine,
                                const LoopOptions& options = {});
 
+/// What a reader has to know of the log's rows: those left out and why, and stamps that gave way.
+std::vector<Told> RowWarnings(const FrfRecord& log);
+
 /// What the machine file's [monitor] limits say of the parameters found, a sentence each.
 std::vector<Told> OutsideLimits(const Machine& machine, const LoopResponse& response);
 

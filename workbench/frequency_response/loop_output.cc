@@ -65,11 +65,7 @@ std::vector<Told> WarningsOf(const LoopLog& measured, const Machine& machine) {
         Tell("{} beyond {:.3g} A does not reach the plant: {}; the rest is measured with it cut off there",
              "{} über {:.3g} A erreicht die Strecke nicht: {}; der Rest ist damit abgeschnitten gemessen",
              plant.input, *response.input_limit, plant.limit.sentence));
-  if (measured.log.left_out > 0)
-    warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})",
-                            measured.log.left_out, measured.log.rows, measured.log.left_out_why));
-  for (const Told& text : {measured.log.time_base, measured.log.twins})
-    if (!text.empty()) warnings.push_back(text);
+  for (const Told& text : RowWarnings(measured.log)) warnings.push_back(text);
   for (const Told& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;
 }

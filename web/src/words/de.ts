@@ -382,6 +382,7 @@ export const de: Words = {
   loop_named: "Das hat sich geändert:",
   loop_ambiguous: "Etwas hat sich geändert, und diese Aufzeichnungen können nicht sagen, was hiervon es ist:",
   loop_unknown: "Etwas hat sich geändert, und keine bekannte Änderung führt dahin.",
+  loop_reversed: "Position oder Strom ist zwischen den Aufzeichnungen umgekehrt: Verdrahtung und Vorzeichen prüfen. Vorher wird sonst nichts verglichen.",
   loopNeedsBefore: "Der Frequenzgang ist gemessen; was sich geändert hat, zeigt erst ein Vergleich. Links ein früheres Log hinzufügen, oder Referenzen in die Maschinendatei schreiben.",
   loopOr: "oder: ",
   loopImitator: "Zugleich sähe dies genauso aus: ",

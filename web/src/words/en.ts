@@ -381,6 +381,7 @@ export const en = {
   loop_named: "This changed:",
   loop_ambiguous: "Something changed, and these records cannot tell which of these it is:",
   loop_unknown: "Something changed, and no change that is known leads there.",
+  loop_reversed: "Position or current is reversed between the records: check wiring and sign. Nothing else is compared before.",
   loopNeedsBefore: "The response is measured; what changed needs something to compare it with. Add an earlier log on the left, or write references into the machine file.",
   loopOr: "or: ",
   loopImitator: "At once, these would look the same: ",

@@ -105,7 +105,7 @@ export function LoopVerdict({ changes, problem, session }: { changes?: LoopChang
   return (
     <section class={`verdict-panel ${changes.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
-      <p class="headline" data-verdict={changes.verdict}>{say(changes.set.length > 0 && changes.verdict === "adequate" ? "loop_named" : `loop_${changes.verdict}`)}</p>
+      <p class="headline" data-verdict={changes.verdict}>{say(changes.reversed ? "loop_reversed" : changes.set.length > 0 && changes.verdict === "adequate" ? "loop_named" : `loop_${changes.verdict}`)}</p>
       <p class="quiet">{say("loopSince", { before })}</p>
       {changes.set.map((id) => (
         <div class="suspect" key={id} data-change={id}>
