@@ -360,6 +360,11 @@ double LoopEstimate::Std(const LoopParameter& parameter, std::size_t index) cons
   return parameter.kind == LoopKind::kDelay ? std : std * std::abs(parameters[index]);
 }
 
+double TransferFit::Widening() const {
+  const double degrees = std::max(1.0, blocks - static_cast<double>(parameters.size()));
+  return StudentHalfWidth95(degrees) / kNormal95;
+}
+
 std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEstimate& estimate, int way) {
   LoopEstimate other = estimate;
   if (plant.share_out == nullptr || !plant.share_out(other.parameters, way)) return std::nullopt;
