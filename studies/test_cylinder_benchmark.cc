@@ -203,8 +203,6 @@ constexpr ChangeCase kChangeCases[] = {
     {"friction + 15 %", "friction", [](TestCylinderOptions& o) { o.zeta_h *= 1.15; }},
 };
 
-LoopState StateOf(const LoopResponse& r) { return {*r.fit, r.input_limit}; }
-
 /// The one change that is named, "" = none, "?" = ambiguous, unknown or more than one.
 std::string_view Named(const LoopComparison& c) {
   if (c.verdict == LoopComparison::Verdict::kAdequate) return "";

@@ -135,7 +135,24 @@ TEST_F(LoopCommand, APositionThatStandsIsLeftOutAndSaid) {
 
 TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {
   SimulateLoop("c.csv", {"--seconds", "40"});
-  EXPECT_EQ(Run({"explain", File("c.csv"), "-m", machine_, "--json", "-"}).Json()["verdict"], "adequate");
+  const auto json = Run({"explain", File("c.csv"), "-m", machine_, "--json", "-"}).Json();
+  EXPECT_EQ(json["verdict"], "adequate");
+  EXPECT_TRUE(json["unseen"].empty()) << json["unseen"];
+}
+
+TEST_F(LoopCommand, ThreeSecondsHaveOneIntervalAndGiveNoAllClear) {
+  SimulateLoop("c.csv", {"--seconds", "3"});
+  const auto frf = Run({"frf", File("c.csv"), "-m", machine_, "--json", "-"}).Json();
+  const auto explain = Run({"explain", File("c.csv"), "-m", machine_, "--json", "-"}).Json();
+  for (const char* name : {"f_h", "zeta_h", "f_sv", "K_sv", "T_d"})
+    EXPECT_NEAR(
+        explain["parameters"][name]["after"]["std"].get<double>() / frf["model"][name]["std"].get<double>(),
+        1, 1e-6)
+        << name;
+  EXPECT_EQ(explain["verdict"], "adequate");
+  EXPECT_FALSE(explain["unseen"].empty());
+  EXPECT_THAT(explain["warnings"].dump(), HasSubstr("no all-clear"));
+  EXPECT_THAT(explain["german"]["warnings"].dump(), HasSubstr("keine Entwarnung"));
 }
 
 TEST_F(LoopCommand, BadInputAndWrongUseAreToldApart) {

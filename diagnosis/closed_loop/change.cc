@@ -190,6 +190,23 @@ void FindSet(const Movement& movement, const LoopComparisonOptions& options, Loo
   comparison.verdict = LoopComparison::Verdict::kUnknown;
 }
 
+/// What a change alone must be to stand out (NothingChanged), where that is large.
+std::vector<SizedChange> Unseen(const LoopComparison& comparison, const LoopComparisonOptions& options) {
+  const double each = options.least_p / static_cast<double>(comparison.plant->changes.size());
+  const double beyond = std::sqrt(ChiSquaredQuantile(1 - each, 1));
+  std::vector<SizedChange> unseen;
+  for (const LoopChangeSet& single : comparison.singles) {
+    SizedChange change = single.changes.front();
+    double large = std::log1p(options.large);
+    for (std::size_t i = 0; i < comparison.plant->parameters.size(); ++i)
+      if (IsDelay(comparison.plant->parameters[i]) && change.change->direction[i] != 0)
+        large = comparison.plant->parameters[i].scale;
+    change.size = (change.change->sign < 0 ? -1 : 1) * beyond * change.std;
+    if (!(std::abs(change.size) < large)) unseen.push_back(change);
+  }
+  return unseen;
+}
+
 LoopComparison CompareOneWay(const ClosedLoopPlant& plant, const LoopState& before, const LoopState& after,
                              const LoopComparisonOptions& options) {
   LoopComparison comparison;
@@ -203,6 +220,7 @@ LoopComparison CompareOneWay(const ClosedLoopPlant& plant, const LoopState& befo
   std::sort(comparison.singles.begin(), comparison.singles.end(),
             [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
   FindSet(movement, options, comparison);
+  comparison.unseen = Unseen(comparison, options);
   return comparison;
 }
 
@@ -245,6 +263,12 @@ const char* VerdictName(LoopComparison::Verdict verdict) {
       return "unknown";
   }
   return "";
+}
+
+LoopState StateOf(const LoopResponse& response) {
+  LoopState state{*response.fit, response.input_limit};
+  state.covariance *= response.fit->Widening() * response.fit->Widening();
+  return state;
 }
 
 LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& before,

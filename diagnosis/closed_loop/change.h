@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/closed_loop/transfer_fit.h"
+#include "estimation/closed_loop/closed_loop.h"
 #include "models/closed_loop.h"
 
 namespace hydroscope {
@@ -14,6 +14,9 @@ namespace hydroscope {
 struct LoopState : LoopEstimate {
   std::optional<double> input_limit;  ///< SI, beyond which the input does not reach the plant
 };
+
+/// As a response with a fit has it, its errors as wide as its intervals (TransferFit::Widening).
+LoopState StateOf(const LoopResponse& response);
 
 /// A change and its size.
 struct SizedChange {
@@ -44,6 +47,7 @@ struct LoopComparison {
   std::vector<LoopChangeSet> imitators;  ///< of other changes, as good, with one change more
   LoopChangeSet nothing;                 ///< no change at all
   std::vector<LoopChangeSet> singles;    ///< every change alone, best first
+  std::vector<SizedChange> unseen;       ///< large ones that these records would not have shown
   bool limit_appeared = false, limit_went = false;
   bool poles_unknown = false;  ///< in one of the records; their changes are not seen, and never kAdequate
   bool reversed = false;       ///< the gain changed its sign, a signal did: nothing is compared, kUnknown
@@ -59,6 +63,8 @@ struct LoopComparisonOptions {
   double least_p = 0.01;
   double as_good = 6;    ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20
   std::size_t most = 3;  ///< changes at once
+  /// Relative change of a quantity from which on it is told if records would not have shown it. A delay: LoopParameter::scale.
+  double large = 0.2;
 };
 
 /// Which of the plant's changes lead from `before` to `after`: the smallest set of them after which the rest is within the

@@ -27,6 +27,31 @@ std::vector<std::string_view> Ids(const LoopChangeSet& set) {
   return ids;
 }
 
+TEST(LoopChange, OfFewBlocksTheErrorsAreAsWideAsTheIntervals) {
+  LoopResponse response;
+  response.fit.emplace();
+  static_cast<LoopEstimate&>(*response.fit) = Cylinder();
+  response.fit->blocks = 7;  // two degrees of freedom beyond five parameters: Student's 4.303 for 1.96
+  EXPECT_NEAR(std::sqrt(StateOf(response).covariance(0, 0)), 4.303 / 1.96 * 0.002, 1e-5);
+}
+
+TEST(LoopChange, ChangesThatShortRecordsWouldNotShowAreTold) {
+  EXPECT_TRUE(CompareLoopStates(kTestCylinderPlant, Cylinder(), Cylinder()).unseen.empty());
+  LoopState vague = Cylinder();
+  vague.covariance *= 50 * 50;
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), vague);
+  EXPECT_EQ(c.verdict, LoopVerdict::kAdequate);
+  ASSERT_FALSE(c.unseen.empty());
+  for (const SizedChange& sized : c.unseen) {
+    if (sized.change->direction.back() != 0) continue;
+    LoopState changed = vague;
+    for (std::size_t i = 0; i + 1 < changed.parameters.size(); ++i)
+      changed.parameters[i] *= std::exp(0.95 * sized.size * sized.change->direction[i]);
+    EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), changed).verdict, LoopVerdict::kAdequate)
+        << sized.change->id;
+  }
+}
+
 TEST(LoopChange, TheSameCylinderIsAdequateAndSoIsThePublishedDifferenceOfDamping) {
   LoopState after = Cylinder();
   EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kAdequate);

@@ -102,8 +102,7 @@ void TakeNeededSeconds(const ClosedLoopPlant& plant, LoopResponse& response) {
 
 /// What people see of the fit.
 void TakeParameters(const ClosedLoopPlant& plant, LoopResponse& response) {
-  const double dof = std::max(1.0, response.fit->blocks - static_cast<double>(plant.parameters.size()));
-  const double wider = StudentHalfWidth95(dof) / kNormal95;
+  const double wider = response.fit->Widening();
   for (std::size_t i = 0; i < plant.parameters.size(); ++i)
     response.parameters.push_back(
         {response.fit->parameters[i], wider * response.fit->Std(plant.parameters[i], i)});

@@ -13,11 +13,21 @@ namespace {
 constexpr double kShortestSegmentFollowed = 0.5;
 /// Poles and dampings lie no further than that beyond the starts that they are sought from.
 constexpr double kReachBeyondStarts = 10;
+/// Ratios beyond which slopes at the basis no longer lead on. They are proportional to the gain: at twice that of the basis every
+/// step of a pole is twice too long and does not converge. Slopes by poles turn more slowly, and estimates of them scatter more.
+constexpr double kFarGain = 1.25, kFarPole = 1.5;
 
 std::vector<double> ColumnOf(const Episode& episode, int signal) {
   std::vector<double> values(static_cast<std::size_t>(episode.rows()));
   for (int row = 0; row < episode.rows(); ++row) values[row] = episode.signal(row, signal);
   return values;
+}
+
+bool Near(const LoopParameter& parameter, double basis, double at) {
+  if (parameter.kind == LoopParameter::Kind::kDelay) return true;
+  const double far = parameter.kind == LoopParameter::Kind::kGain ? kFarGain : kFarPole;
+  const double ratio = at / basis;
+  return ratio < far && ratio > 1 / far;
 }
 
 std::vector<double> Numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
@@ -50,8 +60,9 @@ class LoopRecord : public ReadEpisode {
     return first;
   }
 
-  /// With errors where the parameters are and slopes at the basis, always. With slopes that move, what is known of poles that
-  /// can hardly be told apart turns with them, and a filter that adds it up knows more than the records say.
+  /// With errors where the parameters are and slopes at the basis, which stays while it leads on (BasisAt). With slopes that
+  /// move, what is known of poles that can hardly be told apart turns with them, and a filter that adds it up knows more than
+  /// the records say.
   std::optional<LinearisedEpisode> Linearise(const Eigen::VectorXd& at,
                                              const Eigen::VectorXd& basis) const override {
     return LineariseTransfer(spectra_, used_, model_, Numbers(at), Numbers(basis));
@@ -86,6 +97,13 @@ class LoopEpisodes : public EpisodeModel {
   const Machine& machine() const override { return machine_; }
   const std::vector<FollowedParameter>& parameters() const override { return parameters_; }
   int basis_size() const override { return static_cast<int>(parameters_.size()); }
+  bool told_by_one() const override { return true; }
+  Eigen::VectorXd BasisAt(const Eigen::VectorXd& at, const Eigen::VectorXd& basis) const override {
+    Eigen::VectorXd next = basis;
+    for (Eigen::Index p = 0; p < basis.size(); ++p)
+      if (!Near(model_.plant->parameters[static_cast<std::size_t>(p)], basis[p], at[p])) next[p] = at[p];
+    return next;
+  }
 
   std::unique_ptr<ReadEpisode> Read(const Episode& episode) const override {
     const FrequencyRecord record{sample_period_,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -20,8 +21,12 @@ class LoopFollowing : public ::testing::Test {
       : machine_(*LoadMachine(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/test_cylinder.toml")) {}
 
   std::vector<Episode> Episodes(int count, const TestCylinderDrift& drift = {}) const {
-    const TestCylinderLog log = SimulateTestCylinder(
-        {.seconds = kSeconds * count, .sample_period = kPeriod, .seed = 15, .drift = drift});
+    return Episodes(count, TestCylinderOptions{.seed = 15, .drift = drift});
+  }
+  std::vector<Episode> Episodes(int count, TestCylinderOptions options) const {
+    options.seconds = kSeconds * count;
+    options.sample_period = kPeriod;
+    const TestCylinderLog log = SimulateTestCylinder(options);
     const int rows = static_cast<int>(kSeconds / kPeriod);
     std::vector<Episode> episodes(static_cast<std::size_t>(count));
     for (std::size_t e = 0; e < episodes.size(); ++e) {
@@ -33,6 +38,15 @@ class LoopFollowing : public ::testing::Test {
       }
     }
     return episodes;
+  }
+
+  /// Of `count` episodes of another machine, after those of the healthy one.
+  std::vector<FollowedEpisode> After(int healthy, int count, const TestCylinderOptions& another) const {
+    EpisodeFollower follower(EpisodesOfLoop(machine_, kPeriod));
+    for (const Episode& episode : Episodes(healthy)) follower.Add(episode);
+    std::vector<FollowedEpisode> followed;
+    for (const Episode& episode : Episodes(count, another)) followed.push_back(follower.Add(episode));
+    return followed;
   }
 
   Machine machine_;
@@ -64,6 +78,45 @@ TEST_F(LoopFollowing, AGainThatFallsTakesNoPolesAlong) {
   EXPECT_NEAR(last.estimates[0].value, 343, 0.05 * 343);
   EXPECT_NEAR(last.estimates[2].value, 160, 0.1 * 160);
   EXPECT_NEAR(last.estimates[3].value, 0.9 * 0.0114, 0.02 * 0.0114);
+}
+
+/// A young follower is fitted anew anyway, these are older.
+constexpr int kGrownUp = 12;
+
+TEST_F(LoopFollowing, AnotherValveIsFollowedToItsTruth) {
+  const TestCylinderOptions valve = {.zeta_h = kZetaWith38, .K_sv = kGainOf38, .seed = 16};
+  const TestCylinderTruth t = TruthOf(valve);
+  for (const FollowedEpisode& f : After(kGrownUp, 15, valve)) {
+    ASSERT_EQ(f.estimates.size(), 5U);
+    EXPECT_NEAR(f.estimates[0].value, t.f_h, 0.06 * t.f_h);
+    EXPECT_NEAR(f.estimates[2].value, t.f_sv, 0.12 * t.f_sv);
+    EXPECT_NEAR(f.estimates[3].value, t.K_sv, 0.02 * t.K_sv);
+    EXPECT_LT(f.estimates[3].std, 0.01 * t.K_sv) << "the change itself is no scatter";
+  }
+}
+
+TEST_F(LoopFollowing, APoleThatJumpsIsFollowedToItsTruth) {
+  const TestCylinderOptions slow = {.f_sv = 72, .seed = 16};
+  const TestCylinderTruth t = TruthOf(slow);
+  const FollowedEpisode last = After(kGrownUp, 15, slow).back();
+  ASSERT_EQ(last.estimates.size(), 5U);
+  EXPECT_NEAR(last.estimates[0].value, t.f_h, 0.05 * t.f_h);
+  EXPECT_NEAR(last.estimates[2].value, t.f_sv, 0.03 * t.f_sv);
+  EXPECT_NEAR(last.estimates[3].value, t.K_sv, 0.02 * t.K_sv);
+}
+
+TEST_F(LoopFollowing, NothingIsStatedBesideALimitOfTheSearch) {
+  int at_limit = 0;
+  for (const FollowedEpisode& f : After(3, 6, {.f_h = 103, .zeta_h = 2.93, .seed = 16})) {
+    const auto said = [&](EstimateReason reason) {
+      return std::ranges::count(f.estimates, reason, &Estimate::reason);
+    };
+    if (said(EstimateReason::kOutsidePhysics) == 0) continue;
+    ++at_limit;
+    EXPECT_EQ(said(EstimateReason::kUpdated), 0);
+    EXPECT_EQ(f.evidence.readings, 0);
+  }
+  EXPECT_GT(at_limit, 0);
 }
 
 TEST_F(LoopFollowing, SaysNothingWhereNothingIsExcited) {

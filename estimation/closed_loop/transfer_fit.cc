@@ -351,6 +351,11 @@ Complex TransferModel::Response(double frequency, const std::vector<double>& par
   return sum;
 }
 
+double TransferFit::Widening() const {
+  const double degrees = std::max(1.0, blocks - static_cast<double>(parameters.size()));
+  return StudentHalfWidth95(degrees) / kNormal95;
+}
+
 Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
                                 const TransferModel& model, const TransferFitOptions& options) {
   LoopSearch search(model, spectra.sample_period, options.free_delay);

@@ -37,6 +37,9 @@ struct TransferFit : LoopEstimate {
   double blocks = 0;     ///< behind the covariance: degrees of freedom of its variances, and one
   std::vector<TransferMinimum> minima;  ///< of the search, best first
   double lowest = 0, highest = 0;       ///< Hz
+
+  /// By how much 1.96 standard deviations are too narrow an interval: Student's t of so few blocks over the normal one.
+  double Widening() const;
 };
 
 struct TransferFitOptions {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "estimation/decompositions.h"
 
@@ -71,19 +72,22 @@ Eigen::VectorXd EpisodeFollower::Admissible(const Eigen::VectorXd& parameters) c
   return out;
 }
 
-/// The first fit, from all starts.
+/// From all starts.
 bool EpisodeFollower::Begin(const ReadEpisode& episode) {
   const auto fit = episode.Fit();
-  if (!fit) return false;
-  basis_ = fit->basis;
-  shown_noise_ = fit->shown_noise;
-  size_ = fit->size;
-  const Eigen::VectorXd start = fit->parameters.cwiseQuotient(size_);
+  if (fit) Begin(*fit);
+  return fit.has_value();
+}
+
+void EpisodeFollower::Begin(const FirstFit& fit) {
+  basis_ = fit.basis;
+  shown_noise_ = fit.shown_noise;
+  size_ = fit.size;
+  const Eigen::VectorXd start = fit.parameters.cwiseQuotient(size_);
   filter_.emplace(InformationFilter::Vector(start), options_.covariance, options_.covariance);
   information_ = of_pieces_ = expected_ = of_episodes_ = Eigen::MatrixXd::Zero(count(), count());
   errors_ = 0;
   last_excited_ = Eigen::VectorXd::Constant(count(), kUnknown);
-  return true;
 }
 
 /// Nothing where the model cannot be run at `at`.
@@ -238,6 +242,57 @@ std::vector<Estimate> EpisodeFollower::Estimates(const EpisodeEvidence& e, const
   return out;
 }
 
+/// Begins anew with an episode of another machine: the parameters before it err by far more than others do, and those that they
+/// lead to have left the basis behind; or again and again, or at a limit, they lead to none that fit. From there, or from all
+/// starts if that fits better. `settled` is then about where it began.
+bool EpisodeFollower::Recover(const ReadEpisode& episode, const EpisodeEvidence& before,
+                              EpisodeEvidence& settled, double seconds) {
+  const double much = options_.lost * options_.lost;
+  const int lost_before = std::exchange(lost_, 0);
+  EpisodeFollower ahead = *this;
+  ahead.Widen(before, settled, true);
+  const Eigen::VectorXd led_to = size_.cwiseProduct(Eigen::VectorXd(ahead.Updated(settled, seconds).Theta()));
+  const Eigen::VectorXd next = Admissible(led_to), basis = model_->BasisAt(next, basis_);
+  const bool far = basis != basis_;
+  if ((far ? before.energy : settled.energy) <= much * settled.readings) return false;
+  EpisodeFollower on = *this;
+  on.Begin({.parameters = next, .size = size_, .basis = basis, .shown_noise = shown_noise_});
+  auto found = on.Linearise(episode, next);
+  if (found) found = on.Settle(episode, *found, seconds);
+  if (EpisodeFollower anew = *this; anew.Begin(episode)) {
+    const auto sought = anew.Linearise(episode, anew.parameters());
+    if (sought && (!found || sought->energy < found->energy - options_.better)) {
+      on = std::move(anew);
+      found = sought;
+    }
+  }
+  if (!found) return false;
+  if (const bool another = far && much * found->energy < before.energy; !another) {
+    if (!(much * found->energy < settled.energy)) return false;  // what the model misses
+    lost_ = lost_before + 1;
+    if (lost_ < options_.patience && led_to == next) return false;
+  }
+  on.lost_ = 0;
+  on.shown_noise_ = shown_noise_;  // what all episodes are measured against
+  on.basis_ = found->at;
+  found = on.Linearise(episode, found->at);
+  if (!found) return false;
+  *this = std::move(on);
+  settled = *found;
+  return true;
+}
+
+/// Where the parameters are lost, or the search ended at a limit, none is told beside the others, and the episode says nothing.
+void EpisodeFollower::TellLost(FollowedEpisode& followed) const {
+  if (!model_->told_by_one()) return;
+  const bool at_limit = std::ranges::any_of(
+      followed.estimates, [](const Estimate& e) { return e.reason == EstimateReason::kOutsidePhysics; });
+  if (lost_ == 0 && !at_limit) return;
+  followed.evidence = {};
+  for (Estimate& e : followed.estimates)
+    if (e.reason == EstimateReason::kUpdated) e.reason = EstimateReason::kConfounded;
+}
+
 FollowedEpisode EpisodeFollower::Add(const Episode& episode) {
   FollowedEpisode out;
   out.error_before = out.error_least = kUnknown;
@@ -262,15 +317,18 @@ FollowedEpisode EpisodeFollower::Add(const Episode& episode) {
     }
     settled = *before;
   }
+  if (!first && !anew && model_->told_by_one()) anew = Recover(*read, *before, settled, seconds);
   const Eigen::MatrixXd covariance = filter_->Covariance();
   Widen(*before, settled, !first && !anew);
   out.error_before = first ? kUnknown : before->ErrorAt(before->at);
   filter_ = Updated(settled, seconds);
+  basis_ = model_->BasisAt(parameters(), basis_);
   ++episodes_;
   out.estimates = Estimates(settled, covariance, seconds, episode.time.back());
   out.error_least = settled.ErrorAt(Best(settled));
   out.error_white = std::min(out.error_least, settled.white);
   out.evidence = std::move(settled);
+  TellLost(out);
   return out;
 }
 
@@ -290,6 +348,7 @@ void EpisodeFollower::Save(ByteWriter& out) const {
     PutNumbers(out, *m);
   out.Put(errors_);
   PutNumbers(out, last_excited_);
+  if (model_->told_by_one()) out.Put<std::int32_t>(lost_);
 }
 
 bool EpisodeFollower::Restore(ByteReader& in) {
@@ -308,6 +367,7 @@ bool EpisodeFollower::Restore(ByteReader& in) {
     *m = GetNumbers(in, count(), count());
   errors_ = in.Get<double>();
   last_excited_ = GetNumbers(in, count(), 1);
+  lost_ = model_->told_by_one() && !in.at_end() ? in.Get<std::int32_t>() : 0;
   if (!in.ok() || !basis_.allFinite() || !(shown_noise_ > 0) || !(size_.array() > 0).all()) return false;
   filter_.emplace(InformationFilter::Matrix(information), InformationFilter::Vector(state),
                   InformationFilter::Matrix(Eigen::MatrixXd::Constant(count(), count(), kUnknown)),

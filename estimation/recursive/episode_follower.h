@@ -27,6 +27,10 @@ struct EpisodeFollowerOptions {
   double lost = 2;     ///< rms error over the noise beyond which a young follower is fitted anew
   int young = 10;      ///< episodes
   int refits = 3;      ///< fits from all starts at most, after the first
+  /// Squared errors that a fit from all starts must be better by than one from where it was: a likelihood ratio of 20.
+  double better = 6;
+  /// Episodes that parameters may be lost for before they are sought anew; most find their way back.
+  int patience = 6;
   double errors_remembered = 20;  ///< episodes from whose errors the intervals are widened
   /// Episodes that the pieces of episodes count as beside the episodes themselves.
   double white_episodes = 5;
@@ -60,7 +64,8 @@ struct FollowedEpisode {
 /// Follows the parameters of a machine from episode to episode. The first one is fitted from all starts. Each one after is
 /// linearised at the parameters as they are (ReadEpisode); error and information go into a filter that forgets only what the
 /// episode sees anew (InformationFilter); where that moves the parameters by more than a share of their standard error, it is
-/// linearised again there (iterated extended Kalman filter, Bell and Cathey 1993, with parameters for states). Errors are
+/// linearised again there (iterated extended Kalman filter, Bell and Cathey 1993, with parameters for states). Where each
+/// episode tells the parameters by itself, one of another machine begins the follower anew at any age. Errors are
 /// correlated in time: intervals are widened by how much more gradients scatter than white errors would make them, of pieces
 /// within episodes (clusters, as TakeCovariance) and of the episodes themselves against the parameters before them.
 /// Deterministic; everything it remembers is saved.
@@ -85,10 +90,14 @@ class EpisodeFollower {
   int count() const { return static_cast<int>(model_->parameters().size()); }
   const FollowedParameter& parameter(int p) const { return model_->parameters()[p]; }
   bool Begin(const ReadEpisode& episode);
+  void Begin(const FirstFit& fit);
   std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at) const;
   Eigen::VectorXd Best(const EpisodeEvidence& evidence) const;
   InformationFilter Updated(const EpisodeEvidence& evidence, double seconds) const;
   EpisodeEvidence Settle(const ReadEpisode& episode, EpisodeEvidence evidence, double seconds) const;
+  bool Recover(const ReadEpisode& episode, const EpisodeEvidence& before, EpisodeEvidence& settled,
+               double seconds);
+  void TellLost(FollowedEpisode& followed) const;
   void Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged);
   /// Variance of gradients over that of white errors: of pieces of episodes, and of episodes against the parameters before.
   struct Scatter {
@@ -114,6 +123,8 @@ class EpisodeFollower {
   double errors_ = 0;  ///< episodes that of_episodes_ rests on
   Eigen::VectorXd last_excited_;
   int episodes_ = 0, refits_ = 0;
+  int lost_ =
+      0;  ///< episodes in a row that a fit from all starts fits far better, where each tells by itself
 };
 
 }  // namespace hydroscope

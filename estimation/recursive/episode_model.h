@@ -61,6 +61,13 @@ class EpisodeModel {
   virtual const Machine& machine() const = 0;
   virtual const std::vector<FollowedParameter>& parameters() const = 0;
   virtual int basis_size() const = 0;  ///< entries of FirstFit::basis
+  /// Each episode tells the parameters by itself, and limits are where a search ends, nothing that a machine comes to: a
+  /// follower that has lost them fits anew at any age.
+  virtual bool told_by_one() const { return false; }
+  /// The basis for parameters that have come to `at`: `basis` as it is while it leads on from there.
+  virtual Eigen::VectorXd BasisAt(const Eigen::VectorXd& at, const Eigen::VectorXd& basis) const {
+    return at.size() > 0 ? basis : Eigen::VectorXd();
+  }
   /// The episode must outlive what is returned; nullptr: it says nothing.
   virtual std::unique_ptr<ReadEpisode> Read(const Episode& episode) const = 0;
 };

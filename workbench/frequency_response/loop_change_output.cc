@@ -173,6 +173,7 @@ nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
                          {"ranking", nlohmann::json::array()},
                          {"others", nlohmann::json::array()},
                          {"imitators", nlohmann::json::array()},
+                         {"unseen", nlohmann::json::object()},
                          {"parameters", nlohmann::json::object()},
                          {"input_limit", nullptr},
                          {"reversed", comparison.reversed},
@@ -187,6 +188,10 @@ nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
     one.erase("set");
     json["ranking"].push_back(std::move(one));
   }
+  for (const SizedChange& sized : comparison.unseen)
+    json["unseen"][std::string(sized.change->id)] = {
+        {"value", MovesDelay(*sized.change) ? sized.size : std::exp(sized.size)},
+        {"unit", MovesDelay(*sized.change) ? "s" : "1"}};
   for (const LoopChangeSet& other : comparison.others) json["others"].push_back(SetJson(other));
   for (const LoopChangeSet& imitator : comparison.imitators) json["imitators"].push_back(SetJson(imitator));
   for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
