@@ -282,13 +282,14 @@ bool EpisodeFollower::Recover(const ReadEpisode& episode, const EpisodeEvidence&
   return true;
 }
 
-/// Where the parameters are lost, or the search ended at a limit, none is told beside the others, and the episode says nothing.
+/// Where the parameters are lost, or the search ended at a limit, none is told beside the others; at a limit the episode says
+/// nothing.
 void EpisodeFollower::TellLost(FollowedEpisode& followed) const {
   if (!model_->told_by_one()) return;
   const bool at_limit = std::ranges::any_of(
       followed.estimates, [](const Estimate& e) { return e.reason == EstimateReason::kOutsidePhysics; });
   if (lost_ == 0 && !at_limit) return;
-  followed.evidence = {};
+  if (at_limit) followed.evidence = {};
   for (Estimate& e : followed.estimates)
     if (e.reason == EstimateReason::kUpdated) e.reason = EstimateReason::kConfounded;
 }
