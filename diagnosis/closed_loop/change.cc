@@ -220,7 +220,8 @@ LoopComparison CompareOneWay(const ClosedLoopPlant& plant, const LoopState& befo
   std::sort(comparison.singles.begin(), comparison.singles.end(),
             [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
   FindSet(movement, options, comparison);
-  comparison.unseen = Unseen(comparison, options);
+  if (comparison.verdict == LoopComparison::Verdict::kAdequate)
+    comparison.unseen = Unseen(comparison, options);
   return comparison;
 }
 

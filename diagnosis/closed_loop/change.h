@@ -47,7 +47,7 @@ struct LoopComparison {
   std::vector<LoopChangeSet> imitators;  ///< of other changes, as good, with one change more
   LoopChangeSet nothing;                 ///< no change at all
   std::vector<LoopChangeSet> singles;    ///< every change alone, best first
-  std::vector<SizedChange> unseen;       ///< large ones that these records would not have shown
+  std::vector<SizedChange> unseen;       ///< of kAdequate: large ones that these records would not have shown
   bool limit_appeared = false, limit_went = false;
   bool poles_unknown = false;  ///< in one of the records; their changes are not seen, and never kAdequate
   bool reversed = false;       ///< the gain changed its sign, a signal did: nothing is compared, kUnknown
@@ -58,8 +58,7 @@ const char* VerdictName(LoopComparison::Verdict verdict);
 
 /// Of chance; what they name and leave is what `hydroscope benchmark test-cylinder --changes` counts.
 struct LoopComparisonOptions {
-  /// Chance from which what is left counts as error of the records: over all parameters, and in the directions of all changes
-  /// together.
+  /// Chance from which what is left counts as error of the records: over all parameters, and over the directions of all changes.
   double least_p = 0.01;
   double as_good = 6;    ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20
   std::size_t most = 3;  ///< changes at once

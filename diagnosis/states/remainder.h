@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/states/error_bursts.h"
+#include "diagnosis/states/other_causes/error_bursts.h"
 #include "estimation/states/fit.h"
 
 namespace hydroscope {

@@ -282,8 +282,7 @@ bool EpisodeFollower::Recover(const ReadEpisode& episode, const EpisodeEvidence&
   return true;
 }
 
-/// Where the parameters are lost, or the search ended at a limit, none is told beside the others; at a limit the episode says
-/// nothing.
+/// Where the parameters are lost, or the search ended at a limit, none is told beside the others; a limit says nothing.
 void EpisodeFollower::TellLost(FollowedEpisode& followed) const {
   if (!model_->told_by_one()) return;
   const bool at_limit = std::ranges::any_of(

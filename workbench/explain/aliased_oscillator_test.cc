@@ -43,8 +43,7 @@ double Rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// A lightly damped mass of `frequency` Hz on a force of steps and of noise of its own bandwidth, 60 s; `turned`: the force's sign is
-/// wrong.
+/// A lightly damped mass of `frequency` Hz on a force of steps and of noise of its own bandwidth, 60 s; `turned`: of wrong sign.
 ExplainResult Explained(double frequency, double rows_a_second, bool turned = false) {
   const std::string path = testing::TempDir() + "/oscillator.csv";
   std::mt19937_64 random(5);

@@ -25,8 +25,7 @@ Status Compare(const Database& database, const std::string& path, const HistoryP
   return {};
 }
 
-/// Strokes that no effect explains as one, as a number of the model moves on over them: the newest against the first, if these are
-/// explained.
+/// Strokes that no effect explains as one, as a number of the model moves on over them: the newest against the first if explained.
 void CompareEnds(const Database& database, const std::string& path, const HistoryPart& part,
                  const Machine& machine, StoredExplanation& out) {
   Explanation& whole = out.whole->explanation;

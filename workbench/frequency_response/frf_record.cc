@@ -155,8 +155,7 @@ Status CheckValveSignals(const Machine& machine) {
   return {};
 }
 
-/// The machine reduced to what the check needs: other signals are optional, standing still is allowed but for what a closed loop
-/// moves.
+/// The machine reduced to what the check needs: other signals are optional, all but what a closed loop moves may stand still.
 Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
   for (SignalSpec& signal : machine.signals) {
     signal.required =

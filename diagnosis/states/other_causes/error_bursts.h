@@ -7,7 +7,7 @@
 
 namespace hydroscope {
 
-/// How often they are told of where noise acts on the process evenly, and found where a law acts seldom, holds error_bursts_test.cc.
+/// That they are told of nowhere where noise acts on the process evenly, and found where it does not, holds error_bursts_test.cc.
 struct ErrorBurstsOptions {
   int lags = 4;         ///< rows over which large innovations keep together
   double max_p = 1e-6;  ///< that noise of one strength keeps them together as much

@@ -1,4 +1,4 @@
-#include "diagnosis/states/error_bursts.h"
+#include "diagnosis/states/other_causes/error_bursts.h"
 
 #include <algorithm>
 #include <cmath>
