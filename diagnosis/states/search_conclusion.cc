@@ -39,7 +39,7 @@ class SearchConclusion {
       out_.LeaveUnknown(out_.final.added);
       return;
     }
-    if (out_.base_left.powerless && compare_.Coloured(out_.base)) {
+    if (out_.base_left.powerless && compare_.Coloured(out_.final)) {
       out_.warnings.push_back(MayBeMissing(out_.base_left));
       out_.LeaveUnknown(Nearest());
       return;
