@@ -11,6 +11,7 @@
 #include "diagnosis/states/other_causes/missing_limit.h"
 #include "diagnosis/states/other_causes/state_limit.h"
 #include "diagnosis/states/search_conclusion.h"
+#include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "diagnosis/states/state_candidate.h"
 #include "estimation/states/one_step.h"
