@@ -19,8 +19,7 @@ bool MayHoldWrongEffect(const Explanation& as_it_is);
 std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_it_is,
                                   const Explanation& without);
 
-/// The best swap of an effect of ExplainOptions::start; `without` explains the strokes of `as_it_is` by the model that has the
-/// others only.
+/// The best swap of an effect of ExplainOptions::start; `without` explains the strokes of `as_it_is` by the others alone.
 std::optional<EffectSwap> BestSwap(const ExplainOptions& options, const Explanation& as_it_is,
                                    const std::function<Explanation(const std::string&)>& without);
 

@@ -100,10 +100,14 @@ TEST(ExplainStates, FindsNothingInNoiseOfTheProcessAlone) {
 TEST(ExplainStates, ShortRunsAreNoAllClearWhereAnOutputHasNoReadingsForLong) {
   Episode episode = PushedLog(Even, {.push = 1e-3});
   for (const int first : {500, 1300, 2100}) episode.signal.col(1).segment(first, 200).setConstant(NAN);
-  const StatesExplanation x = ExplainStates(PushedMachine(kPushedCylinder, 0), std::span(&episode, 1));
+  const Machine machine = PushedMachine(kPushedCylinder, 0);
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
   EXPECT_FALSE(x.runs.empty());
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_TRUE(x.only_doubtful());
+  ExplainStatesOptions sees_all;
+  sees_all.blind_share = 2;
+  EXPECT_EQ(ExplainStates(machine, std::span(&episode, 1), sees_all).verdict, Verdict::kAdequate);
 }
 
 TEST(ExplainStates, CallsALawThatIsNotInTheFileUnknownInShortRunsToo) {

@@ -5,6 +5,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "estimation/states/white_noise.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 
@@ -19,17 +20,16 @@ constexpr float kQuiet = 0.15F;      ///< noises that are left there at most
 constexpr float kNoisy = 0.5F;       ///< noises with which it comes there
 constexpr double kNearlyAll = 0.9;   ///< of the pieces at the level are quiet
 constexpr double kMoves = 8;         ///< noises by which a position that moves goes on in a piece
-constexpr double kThirdOfWhite =
-    4.472136;  ///< standard deviation of third differences of white noise: sqrt(20)
 
-/// Standard deviation of white noise with the same third differences.
+/// Standard deviation of white noise, of readings that are all there.
 double NoiseOf(const std::vector<double>& x) {
-  double squares = 0;
-  for (std::size_t k = 3; k < x.size(); ++k) {
-    const double third = x[k] - 3 * (x[k - 1] - x[k - 2]) - x[k - 3];
-    squares += third * third;
-  }
-  return std::sqrt(squares / static_cast<double>(x.size() - 3)) / kThirdOfWhite;
+  WhiteNoiseVariance white;
+  white.Add(Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)), 1);
+  return std::sqrt(white.Value());
+}
+
+bool AllThere(const std::vector<double>& x) {
+  return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
 }
 
 }  // namespace
@@ -71,11 +71,11 @@ void SaturatedPressures::EndPiece() {
   if (ended_++ % stride_ != 0) return;
   if (tracks_.front().pieces.size() >= kMostPieces) Thin();
   const std::vector<double>& z = last_[0];
-  const bool moves = std::abs(z.back() - z.front()) > kMoves * NoiseOf(z);
+  const bool moves = AllThere(z) && std::abs(z.back() - z.front()) > kMoves * NoiseOf(z);
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
     const std::vector<double>& p = last_[t + 1];
+    if (!AllThere(p)) continue;
     const double noise = NoiseOf(p);
-    if (!std::isfinite(noise)) continue;
     const auto [low, high] = std::ranges::minmax_element(p);
     tracks_[t].pieces.push_back(
         {static_cast<float>(*low), static_cast<float>(*high), static_cast<float>(noise), moves});
@@ -131,8 +131,7 @@ std::vector<CutOff> SaturatedPressures::Found(const Track& track) const {
            "{} comes to {:.4g} {} time and again while the machine moves, goes no higher, and has next to no noise there: its "
            "sensor or amplifier is saturated. These readings are left out, so nothing is said of what the machine does beyond",
            "{} kommt immer wieder auf {:.4g} {}, während die Maschine sich bewegt, geht nicht höher und rauscht dort kaum: sein "
-           "Sensor oder Verstärker ist gesättigt. Diese Messwerte bleiben weg, über die Maschine jenseits davon ist damit "
-           "nichts gesagt",
+           "Sensor oder Verstärker ist gesättigt. Diese Messwerte bleiben weg, darüber hinaus ist also nichts gesagt",
            spec.name, top * unit.factor + unit.offset, std::string(unit.name))}};
 }
 

@@ -16,12 +16,17 @@ constexpr double kSoftOil = 2e8, kStiffOil = 2.2e9;
 /// Data sheets of valves state from some tenths of a l/min to some thousand. m3/s.
 constexpr double kLeastNominal = 1e-6, kMostNominal = 0.1;
 
+/// Whether the interval of a parameter reaches into a range. SI.
+bool MayLieWithin(const Estimate& parameter, double low, double high) {
+  const double margin = kNormal95 * parameter.std;
+  return parameter.value + margin >= low && parameter.value - margin <= high;
+}
+
 }  // namespace
 
 Told UnusualModulus(const MachineKind& kind, const Estimate& parameter) {
   if (parameter.parameter != "K" || parameter.unit != "Pa") return {};
-  const double margin = kNormal95 * parameter.std;
-  if (parameter.value + margin >= kSoftOil && parameter.value - margin <= kStiffOil) return {};
+  if (MayLieWithin(parameter, kSoftOil, kStiffOil)) return {};
   const DisplayUnit unit = ParameterUnit(kind, parameter.parameter, parameter.unit);
   const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset); };
   return Tell(
@@ -37,8 +42,7 @@ Told ImpossibleFlow(const MachineKind& kind, const Estimate& parameter) {
     return known.name == parameter.parameter && known.si == "m3/s";
   });
   if (!nominal) return {};
-  const double margin = kNormal95 * parameter.std;
-  if (parameter.value + margin >= kLeastNominal && parameter.value - margin <= kMostNominal) return {};
+  if (MayLieWithin(parameter, kLeastNominal, kMostNominal)) return {};
   const DisplayUnit unit = ParameterUnit(kind, parameter.parameter, parameter.unit);
   const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset); };
   return Tell(
