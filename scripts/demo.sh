@@ -108,7 +108,7 @@ echo "  scripts/demo_logs.sh     ten days of logs: compare, locate, explain, ext
 "$hydroscope" open --db "$out/press.db" --machine "$out/press.toml" >"$out/press.page.txt" 2>&1 &
 page=$!
 for ((i = 0; i < 100; ++i)); do
-  grep -q '^http' "$out/press.page.txt" && break
+  grep -qs '^http' "$out/press.page.txt" && break
   alive "$page" "The page" press.page.txt
   sleep 0.1
 done
