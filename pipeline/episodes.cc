@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/told_error.h"
+#include "diagnosis/states/other_causes/reversed_signal.h"
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
@@ -81,7 +82,9 @@ double EpisodeLog::Seconds() const {
                          [](double sum, const Episode& e) { return sum + e.time.back() - e.time.front(); });
 }
 
-Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
+namespace {
+
+Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const Machine& machine) {
   const auto model = TRY(BuildStateModel(machine, machine.added_effects));
   TRY(EpisodeCutter::Check(model->machine));
   EpisodeLog out;
@@ -111,6 +114,30 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
         logs.front(), EpisodeCutter::kLeastRows,
         machine.gate.bounds.empty() ? Told() : Told(" and [gate] holds", " und [gate] gilt")));
   return out;
+}
+
+/// Of the episodes of one log.
+Status JudgeSignsOf(std::span<const Episode> episodes, const std::string& log, const Machine& machine) {
+  const Told reversed = ReversedSignalIn(machine, episodes);
+  return reversed.empty() ? Status() : BadInput(Tell("{}: {}", "{}: {}", log, reversed));
+}
+
+}  // namespace
+
+Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
+  auto out = TRY(ReadWithAnySigns(logs, machine));
+  const auto last = out.episodes.cend();
+  for (auto first = out.episodes.cbegin(); first != last;) {
+    const auto next = std::find_if(first, last, [&](const Episode& e) { return e.log != first->log; });
+    TRY(JudgeSignsOf(std::span(first, next), logs[static_cast<std::size_t>(first->log)], machine));
+    first = next;
+  }
+  return out;
+}
+
+Status JudgeSigns(const std::string& log, const Machine& machine) {
+  const auto read = ReadWithAnySigns({log}, machine);
+  return read ? JudgeSignsOf(read->episodes, log, machine) : Status();
 }
 
 }  // namespace hydroscope
