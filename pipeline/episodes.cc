@@ -1,6 +1,7 @@
 #include "pipeline/episodes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/told_error.h"
@@ -84,6 +85,22 @@ double EpisodeLog::Seconds() const {
 
 namespace {
 
+/// Error where an output has no reading in a log: no episode begins without one.
+Status JudgeAbsent(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
+                   const SampleBlock& rows) {
+  for (const int s : outputs) {
+    const auto at = static_cast<std::size_t>(s);
+    if (std::ranges::any_of(rows.signal[at], [](double y) { return std::isfinite(y); })) continue;
+    return BadInput(Tell(
+        "{}: {} (column {}) has no reading in this log; leave it out of [signals] in the machine file, and the model "
+        "does without it",
+        "{}: {} (Spalte {}) hat in dieser Aufzeichnung keinen Messwert; in [signals] der Maschinendatei weglassen, dann "
+        "kommt das Modell ohne aus",
+        log, machine.signals[at].name, machine.signals[at].column));
+  }
+  return {};
+}
+
 Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const Machine& machine) {
   const auto model = TRY(BuildStateModel(machine, machine.added_effects));
   TRY(EpisodeCutter::Check(model->machine));
@@ -92,6 +109,7 @@ Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const 
   for (const std::string& log : logs) {
     TRY(JudgeSizes(log, machine));
     auto rows = TRY(ReadRows(log, machine, out));
+    TRY(JudgeAbsent(log, machine, model->outputs, rows));
     LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
     for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))
       out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
