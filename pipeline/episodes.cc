@@ -1,9 +1,11 @@
 #include "pipeline/episodes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/told_error.h"
+#include "diagnosis/states/other_causes/reversed_signal.h"
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
@@ -81,7 +83,25 @@ double EpisodeLog::Seconds() const {
                          [](double sum, const Episode& e) { return sum + e.time.back() - e.time.front(); });
 }
 
-Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
+namespace {
+
+/// Error where an output has no reading in a log: no episode begins without one.
+Status JudgeAbsent(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
+                   const SampleBlock& rows) {
+  for (const int s : outputs) {
+    const auto at = static_cast<std::size_t>(s);
+    if (std::ranges::any_of(rows.signal[at], [](double y) { return std::isfinite(y); })) continue;
+    return BadInput(Tell(
+        "{}: {} (column {}) has no reading in this log; leave it out of [signals] in the machine file, and the model "
+        "does without it",
+        "{}: {} (Spalte {}) hat in dieser Aufzeichnung keinen Messwert; in [signals] der Maschinendatei weglassen, dann "
+        "kommt das Modell ohne aus",
+        log, machine.signals[at].name, machine.signals[at].column));
+  }
+  return {};
+}
+
+Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const Machine& machine) {
   const auto model = TRY(BuildStateModel(machine, machine.added_effects));
   TRY(EpisodeCutter::Check(model->machine));
   EpisodeLog out;
@@ -89,6 +109,7 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
   for (const std::string& log : logs) {
     TRY(JudgeSizes(log, machine));
     auto rows = TRY(ReadRows(log, machine, out));
+    TRY(JudgeAbsent(log, machine, model->outputs, rows));
     LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
     for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))
       out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
@@ -111,6 +132,30 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
         logs.front(), EpisodeCutter::kLeastRows,
         machine.gate.bounds.empty() ? Told() : Told(" and [gate] holds", " und [gate] gilt")));
   return out;
+}
+
+/// Of the episodes of one log.
+Status JudgeSignsOf(std::span<const Episode> episodes, const std::string& log, const Machine& machine) {
+  const Told reversed = ReversedSignalIn(machine, episodes);
+  return reversed.empty() ? Status() : BadInput(Tell("{}: {}", "{}: {}", log, reversed));
+}
+
+}  // namespace
+
+Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
+  auto out = TRY(ReadWithAnySigns(logs, machine));
+  const auto last = out.episodes.cend();
+  for (auto first = out.episodes.cbegin(); first != last;) {
+    const auto next = std::find_if(first, last, [&](const Episode& e) { return e.log != first->log; });
+    TRY(JudgeSignsOf(std::span(first, next), logs[static_cast<std::size_t>(first->log)], machine));
+    first = next;
+  }
+  return out;
+}
+
+Status JudgeSigns(const std::string& log, const Machine& machine) {
+  const auto read = ReadWithAnySigns({log}, machine);
+  return read ? JudgeSignsOf(read->episodes, log, machine) : Status();
 }
 
 }  // namespace hydroscope

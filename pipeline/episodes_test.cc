@@ -61,5 +61,27 @@ TEST_F(EpisodesTest, PiecesOfFixedLengthLieBetweenChangesOfTheMarker) {
   EXPECT_EQ(log->episodes[2].first_row, kBatch);
 }
 
+TEST_F(EpisodesTest, AnOutputThatTheLogLacksIsToldByName) {
+  const auto machine = ParseMachine(R"toml([signals]
+q = { column = "q", unit = "1" }
+level = { column = "level", unit = "m" }
+volume = { column = "V", unit = "m3", required = false }
+[states]
+h = { ddt = "k*q", unit = "m" }
+[outputs]
+level = "h"
+volume = "h*A"
+[parameters]
+k = { start = 1, min = 0, max = 2 }
+A = { start = 1, min = 0.1, max = 10 }
+)toml",
+                                    "tank.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto log = ReadEpisodes({path_}, *machine);
+  ASSERT_FALSE(log);
+  EXPECT_NE(log.error().text.find("volume (column V) has no reading in this log"), std::string::npos)
+      << log.error().text;
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -15,6 +15,7 @@
 #include "models/output_unit.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/episode_pipeline.h"
+#include "pipeline/episodes.h"
 #include "pipeline/log_faults/broken_strokes.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_fingerprint.h"
@@ -170,6 +171,8 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
     return replay;
   };
   if (const Status plausible = JudgeSizes(log, machine_); !plausible) return fail(plausible.error());
+  if (KindOf(machine_).has_states)
+    if (const Status signs = JudgeSigns(log, machine_); !signs) return fail(signs.error());
   std::string note;
   auto reader = Open(log, note);
   if (!reader) return fail(reader.error());

@@ -57,7 +57,8 @@ struct ExplainStatesOptions {
   double sure_t = 4;  ///< ... and its t there
   /// Of the energy that functions can predict: what a further effect must take away.
   double min_removed = 0.2;
-  /// Of all that is left where nothing is named: from which share on the best single effect is told as nearest.
+  /// Of all that is left where nothing is named: from which share on the best single effect is told as nearest; and others beside it
+  /// that remove less by no more than this share of what it removes.
   double nearest_removed = 0.1;
   double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   /// Of that energy: what a complete explanation may leave; of n effects 1/n^2 of it.
@@ -75,7 +76,8 @@ struct ExplainStatesOptions {
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
   /// Share of a set's terms that the nearest of another set may differ by to be fitted from there.
   double near_law = 0.5;
-  /// Share of what the best set removes from which on another is fitted from afar, too.
+  /// Share of what the best set removes from which on another is fitted from afar, too; a single effect is then told beside the
+  /// nearest, unless it is clearly worse (rival_t).
   double rival_removed = 0.5;
   /// Readings over which errors are correlated, from which on what is left is no white noise: of that their scatter leaves less
   /// than 1.2 from 1000 readings on.

@@ -1,6 +1,7 @@
 #include "diagnosis/states/explain_states.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -190,6 +191,20 @@ TEST(ExplainStates, WhatTakesAPartAwayIsToldAsNearestThoughItIsTooLittleToBeTake
   EXPECT_TRUE(x.final.added.empty());
   EXPECT_EQ(x.nearest, std::vector<std::string>{"bent_valve"});
   EXPECT_TRUE(x.partial);
+}
+
+/// A law of nearly the same shape does hardly less: which of the two is nearer the log does not say.
+TEST(ExplainStates, WhatDoesHardlyLessIsToldBesideTheNearest) {
+  const Machine machine = PushedMachine(std::string(kPushedCylinder) + R"toml([[effect]]
+id = "softly_bent_valve"
+adds = { x = "c*u*sqrt(u^2 + 0.01)" }
+parameters = { c = { start = 0.1, min = 0, max = 2, unit = "m/s" } }
+)toml",
+                                        30);
+  const Episode episode = PushedLog(WavyAndALittleBent, {.back = 30, .sensor = 2e-3});
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.nearest, testing::UnorderedElementsAre("bent_valve", "softly_bent_valve"));
 }
 
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.

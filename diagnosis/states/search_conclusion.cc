@@ -81,7 +81,8 @@ class SearchConclusion {
     for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
   }
 
-  /// What was found explains, or where that is nothing the best single effect, if it is too weak to be taken by itself alone.
+  /// What was found explains, or where that is nothing the best single effect, if it is too weak to be taken by itself alone, and
+  /// those that are not clearly worse: naming the best of them alone would say more than the log does.
   std::vector<std::string> Nearest() const {
     if (!out_.final.added.empty() || out_.ranking.empty()) return out_.final.added;
     const StateCandidate& best = out_.ranking.front();
@@ -89,7 +90,16 @@ class SearchConclusion {
     const auto [removed, t] = PairedGain(out_.base.fit.HeldOutEnergies(), best.fit.HeldOutEnergies());
     const bool helps = removed > options_.min_gain * EvidenceOf(best) && t > options_.few_t &&
                        removed > options_.nearest_removed * out_.base.held_out;
-    return helps ? best.added : std::vector<std::string>();
+    if (!helps) return {};
+    std::vector<std::string> nearest = best.added;
+    for (const StateCandidate& other : std::span(out_.ranking).subspan(1)) {
+      if (!other.fitted()) continue;
+      const double share = (out_.base.held_out - other.held_out) / removed;
+      const double t = PairedGain(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies()).second;
+      if (share >= 1 - options_.nearest_removed || (share >= options_.rival_removed && t < options_.rival_t))
+        nearest.push_back(other.added.front());
+    }
+    return nearest;
   }
 
   /// Energy that the effects of the set found that `other` has not remove beyond those that both have.

@@ -178,5 +178,18 @@ TEST(TestCylinderResponse, SharingOutThePolesLeavesTheResponse) {
   EXPECT_FALSE(ShareOutPoles(light, 1));
 }
 
+/// Why the parameters of a record of 20 s stay open.
+std::string WhyOpen(TestCylinderOptions o) {
+  o.seconds = 20;
+  const auto response = MeasureClosedLoop(RecordOf(o), ModelOf(o));
+  return response ? response->no_fit.english : response.error().text;
+}
+
+TEST(ClosedLoop, WhatHelpsWhereParametersStayOpenIsSaidByCause) {
+  EXPECT_THAT(WhyOpen({.excitation = 2e-5}), HasSubstr("Excite the set point more strongly"));
+  EXPECT_THAT(WhyOpen({.coulomb = 800}),
+              HasSubstr("Where dry friction holds it, larger movements show more"));
+}
+
 }  // namespace
 }  // namespace hydroscope

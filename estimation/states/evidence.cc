@@ -81,8 +81,8 @@ class LeftOutPieces {
   }
 
   /// Of the parameters, each over its size: wider for Student's t (StudentOfPieces), and never less than what white residuals
-  /// would leave.
-  Eigen::MatrixXd Covariance() const {
+  /// would leave. `lasting`: residuals may be alike over longer than a piece.
+  Eigen::MatrixXd Covariance(bool lasting) const {
     const Eigen::MatrixXd of_white = directions_ * white_.asDiagonal() * directions_.transpose();
     const auto pieces = static_cast<double>(changes_.cols());
     Eigen::MatrixXd covariance = changes_ * changes_.transpose() * ((pieces - 1) / std::max(pieces, 1.0));
@@ -93,7 +93,8 @@ class LeftOutPieces {
         continue;
       }
       const double student = StudentOfPieces(changes_.row(p).transpose());
-      const double factor = std::max(student, std::sqrt(of_white(p, p) / found));
+      const double wider = lasting ? WiderByNeighbours(p) : 1;
+      const double factor = std::max(student * wider, std::sqrt(of_white(p, p) / found));
       covariance.row(p) *= factor;
       covariance.col(p) *= factor;
     }
@@ -104,6 +105,20 @@ class LeftOutPieces {
   const Eigen::VectorXd& white() const { return white_; }
 
  private:
+  /// By how much the standard deviation of a parameter grows where two or four pieces side by side are left out at once: more than
+  /// by 1 if their residuals pull alike.
+  double WiderByNeighbours(Eigen::Index p) const {
+    const auto variance = [&](Eigen::Index together) {
+      double sum = 0, groups = 0;
+      for (Eigen::Index k = 0; k < changes_.cols(); k += together, ++groups) {
+        const double change = changes_.row(p).segment(k, std::min(together, changes_.cols() - k)).sum();
+        sum += change * change;
+      }
+      return groups > 1 ? sum * (groups - 1) / groups : 0.0;
+    };
+    return std::sqrt(std::max({1.0, variance(2) / variance(1), variance(4) / variance(1)}));
+  }
+
   /// Share of a direction's information that the other pieces have at least: what a single one tells of has no interval, a very
   /// wide one is given.
   static constexpr double kLeastRest = 0.05;
@@ -129,7 +144,9 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
     if (size[p] == 0) size[p] = 1;
   }
   const LeftOutPieces left_out(fit.pieces, size);
-  const Eigen::MatrixXd covariance = left_out.Covariance();
+  // Of means over revolutions what rows between, edges and ripple leave goes with the load, whose levels may last longer than a piece.
+  const bool lasting = std::ranges::any_of(task.episodes, [](const Episode& e) { return e.mean_rows > 1; });
+  const Eigen::MatrixXd covariance = left_out.Covariance(lasting);
   fit.covariance = (size.asDiagonal() * covariance * size.asDiagonal()).topLeftCorner(parameters, parameters);
   for (int d = 0; d < count; ++d) {
     const double standard_error = std::sqrt(left_out.white()[d]);

@@ -101,9 +101,9 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
   if (fit.left.structured)
     warnings.push_back(Tell(
         "functions of states and inputs predict at least {:.0f} % of the error left out, most of it in the "
-        "equation of {}: the model misses something, and its parameters absorb part of it",
+        "equation of {}: the model misses something, and its parameters absorb part of it and may lie outside their intervals",
         "Funktionen von Zuständen und Eingängen sagen mindestens {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
-        "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
+        "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf und können außerhalb ihrer Intervalle liegen",
         100 * fit.left.least_share, fit.left.about));
   if (fit.doubted_limit) warnings.push_back(DoubtedLimitText(*fit.doubted_limit));
   if (fit.missing_limit) warnings.push_back(MissingLimitText(*fit.missing_limit, fit.log.machine, false));
