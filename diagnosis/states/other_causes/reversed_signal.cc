@@ -173,11 +173,11 @@ std::optional<Episode> FirstThatMoves(const StateModel& model, std::span<const E
   return std::nullopt;
 }
 
-/// Rms error over the white noise of the outputs, of a fit from the start of the machine file alone.
+/// Rms error over the white noise of the outputs, of a fit from the start of the machine file and from so many drawn ones.
 double ErrorOfRows(const std::shared_ptr<const StateModel>& model, const Episode& rows,
-                   const Eigen::VectorXd& white) {
+                   const Eigen::VectorXd& white, int starts) {
   StateFitOptions options;
-  options.starts = 0;
+  options.starts = starts;
   options.iterations = 15;
   options.tolerance = 1e-3;
   const StateFit fit = FitStates(model, std::span(&rows, 1), options);
@@ -192,11 +192,18 @@ Told RowsAgainst(const std::shared_ptr<const StateModel>& model, std::span<const
   if (!(white.array() > 0).all() || !white.allFinite()) return {};
   const auto rows = FirstThatMoves(*model, episodes, white, options);
   if (!rows) return {};
-  const double as_it_is = ErrorOfRows(model, *rows, white);
+  double as_it_is = ErrorOfRows(model, *rows, white, 0);
   if (as_it_is < options.astray) return {};
+  bool from_afar = false;
   for (const int signal : SignalsToTry(*model, episodes, options)) {
-    const double with = ErrorOfRows(model, Reversed(std::span(&*rows, 1), signal).front(), white);
-    if (with > options.follows || with - 1 > options.left * (as_it_is - 1)) continue;
+    const double with = ErrorOfRows(model, Reversed(std::span(&*rows, 1), signal).front(), white, 0);
+    const auto tells = [&] { return with <= options.follows && with - 1 <= options.left * (as_it_is - 1); };
+    if (!tells()) continue;
+    if (!from_afar) {  // a start that leads the log as it is astray says nothing of its signs
+      from_afar = true;
+      as_it_is = std::min(as_it_is, ErrorOfRows(model, *rows, white, StateFitOptions().starts));
+      if (!tells()) continue;
+    }
     return ReversedText(
         model->machine, signal,
         Tell("the model errs by {:.2g} times the noise over the first {} rows",

@@ -112,6 +112,26 @@ TEST(ReversedSignal, TheInputOfALagIsTold) {
   EXPECT_THAT(ToldOf(machine, LagEpisode({Filtered}), "u"), HasSubstr("u (column u) counts the other way"));
 }
 
+TEST(ReversedSignal, AStartThatLeadsAstrayIsNone) {
+  const auto machine = ParseMachine(R"toml(
+[log]
+hold = "smooth"
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+[states]
+x = { ddt = "-k*x + a^3*u", initial = "estimate" }
+[outputs]
+y = "x"
+[parameters]
+k = { start = 3, min = 0.1, max = 30 }
+a = { start = -1, min = -2, max = 2 }
+)toml",
+                                    "lag");
+  ASSERT_TRUE(machine) << machine.error().text;
+  EXPECT_EQ(ToldOf(*machine, LagEpisode({Filtered})), "");
+}
+
 TEST(ReversedSignal, ASpoolOfAnArmIsToldByItsBalances) {
   ManipulatorOptions o;
   o.seconds = 20;
