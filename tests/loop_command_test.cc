@@ -10,6 +10,7 @@ namespace hydroscope::command_line_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Commands on logs of the simulated test cylinder.
 class LoopCommand : public CommandLine {
@@ -67,6 +68,10 @@ TEST_F(LoopCommand, CheckNamesASignalThatStandsStill) {
   log << "t,z_set,I_v,z\n";
   for (int k = 0; k < 2000; ++k) log << k * 0.001 << "," << k % 7 << "," << k % 5 << ",3\n";
   log.close();
+  const Ran told = Run({"check", File("still.csv"), "-m", machine_});
+  EXPECT_EQ(told.exit_code, 4) << "nothing can be measured";
+  EXPECT_THAT(told.out, HasSubstr("no response: z does not move in this log"));
+  EXPECT_THAT(told.out, Not(HasSubstr("next:")));
   const auto json = Run({"check", File("still.csv"), "-m", machine_, "--json", "-"}).Json();
   EXPECT_THAT(json.at("hints").dump(), HasSubstr("z (column z): one and the same reading"));
   EXPECT_THAT(json.at("german").at("hints").dump(), HasSubstr("ein und derselbe Wert"));
