@@ -16,8 +16,11 @@ std::vector<std::string> Doubts(const std::string& file, const std::vector<Estim
 }
 
 std::vector<Estimate> OfTestCylinder(double gain) {
-  return {{"f_h", 343, 1, "Hz"}, {"zeta_h", 1, 0.01, "1"}, {"f_sv", 160, 1, "Hz"},
-          {"K_sv", gain, 1e-5, "m3/(s A)"}, {"T_d", 0, 1e-6, "s"}};
+  return {{"f_h", 343, 1, "Hz"},
+          {"zeta_h", 1, 0.01, "1"},
+          {"f_sv", 160, 1, "Hz"},
+          {"K_sv", gain, 1e-5, "m3/(s A)"},
+          {"T_d", 0, 1e-6, "s"}};
 }
 
 TEST(DoubtfulEstimates, AGainOfTheOtherSignIsAReversedSignal) {

@@ -136,6 +136,11 @@ TEST_F(LoopCommand, APositionThatStandsIsLeftOutAndSaid) {
     EXPECT_THAT(Run({command, File("stuck.csv"), "-m", machine_}).out,
                 HasSubstr("4001 of 20000 rows left out (stuck 4001)"))
         << command;
+  const Ran check = Run({"check", File("stuck.csv"), "-m", machine_});
+  EXPECT_EQ(check.exit_code, 4);
+  EXPECT_THAT(check.out, HasSubstr("flagged: 4000 x stuck, first at 8"));
+  EXPECT_THAT(Run({"replay", File("stuck.csv"), "-m", machine_, "--db", File("c.db")}).out,
+              HasSubstr("4000  values flagged stuck, z"));
 }
 
 TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {
