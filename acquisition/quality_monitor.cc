@@ -147,9 +147,14 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
   hold_ = std::min(hold_, kMostHeld);
   longest_gap_ = hold_ - kAhead;
   standstill_ = Standstill::For(machine, sample_period);
+  standing_ = StandingOutput::For(machine, sample_period);
   for (std::size_t c = 0; c < tracks_.size(); ++c) {
     tracks_[c].held_run = tracks_[c].stuck_rows > 0 ? longest_gap_ : 0;
     if (standstill_) tracks_[c].held_run = std::max(tracks_[c].held_run, standstill_->Reach(c));
+  }
+  if (standing_) {
+    Track& track = tracks_[standing_->signal()];
+    track.held_run = std::max(track.held_run, standing_->reach());
   }
   for (const Track& track : tracks_) hold_ = std::max(hold_, track.held_run + kAhead);
   for (Track& track : tracks_) {
@@ -163,6 +168,10 @@ void QualityMonitor::Inspect(SampleBlock& block) {
   const std::size_t coming = block.rows();
   if (coming == 0) return;
   if (standstill_) JudgeStandstill(block);
+  if (standing_) {
+    standing_->Judge(block);
+    FlagHeld(standing_->signal(), standing_->before());
+  }
   const std::size_t pulse = PulseUnderWay(block), run = RunUnderWay(block);
   const std::size_t total = held_ + coming, kept = std::min({total, hold_, kAhead + std::max(pulse, run)});
   const std::size_t rows = total - kept;
@@ -183,9 +192,13 @@ void QualityMonitor::Inspect(SampleBlock& block) {
 /// What stands still in `block`, and in the rows held back before it.
 void QualityMonitor::JudgeStandstill(SampleBlock& block) {
   standstill_->Judge(block);
-  for (const auto& [signal, rows] : standstill_->before())
-    for (std::size_t k = 1; k <= std::min(rows, held_); ++k)
-      tracks_[signal].held_quality[held_ - k] |= quality::kStuck;
+  for (const auto& [signal, rows] : standstill_->before()) FlagHeld(signal, rows);
+}
+
+/// The newest of the rows held back stand.
+void QualityMonitor::FlagHeld(std::size_t signal, std::size_t rows) {
+  for (std::size_t k = 1; k <= std::min(rows, held_); ++k)
+    tracks_[signal].held_quality[held_ - k] |= quality::kStuck;
 }
 
 /// Rows at the end of `block` and before that may yet turn out to be stuck: those of the longest run of one reading up

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "acquisition/standing_output.h"
 #include "acquisition/standstill.h"
 #include "core/records/sample_block.h"
 #include "models/expressions/guard.h"
@@ -44,7 +45,8 @@ struct ChannelQuality {
 ///                Also a run of readings between a step in and a step out again that are as sharp as a spike's, on a
 ///                channel that changes at least every tenth row: a gap that a logger filled with 0 or another constant.
 ///                Also a signal that stands still while what drives it moves (acquisition/standstill.h), all its
-///                equal readings where it repeats one bit for bit.
+///                equal readings where it repeats one bit for bit, and the output of a closed loop that repeats one
+///                while its set point moves (acquisition/standing_output.h).
 ///   kOutOfRange  as well: a reading exactly at the highest or lowest one seen, where so many pile up that the
 ///                noise is cut off there: a sensor or converter at its limit. On channels whose noise shows.
 ///   kExpression  an expression of the machine file is no finite number on this row (models/expressions/guard.h).
@@ -133,6 +135,7 @@ class QualityMonitor {
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
   void DelayTimes(std::size_t rows, std::size_t kept, std::vector<double>& time);
   void JudgeStandstill(SampleBlock& block);
+  void FlagHeld(std::size_t signal, std::size_t rows);
   std::size_t RunUnderWay(const SampleBlock& block);
   std::size_t PulseUnderWay(const SampleBlock& block);
   void CollectFirst(const double* x, std::size_t rows, Track& track);
@@ -159,7 +162,8 @@ class QualityMonitor {
   std::size_t hold_ = kAhead + kLongestPulse;  ///< rows held back at most
   std::size_t longest_gap_ = 0;                ///< rows that a logger may have filled with a constant
   std::vector<double> held_time_, times_;      ///< s; of rows held back, and with those that came
-  std::optional<Standstill> standstill_;  ///< nothing: no signal of this machine is known to follow another
+  std::optional<Standstill> standstill_;    ///< nothing: no signal of this machine is known to follow another
+  std::optional<StandingOutput> standing_;  ///< nothing: it is not driven in closed loop
 };
 
 }  // namespace hydroscope

@@ -54,8 +54,8 @@ void AddCheckCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   AddJsonOption(*command, arguments->json);
   command->footer(
-      "Exit code 4: rows or values are bad and would be left out, there is no stroke, or no "
-      "parameter can be identified.\n"
+      "Exit code 4: rows or values are bad and would be left out, there is no stroke, no "
+      "parameter can be identified, or nothing moves that frf would measure.\n"
       "Examples:\n"
       "  hydroscope check press.csv --machine press.toml\n"
       "  hydroscope check press.csv -m press.toml --json check.json\n"

@@ -30,9 +30,9 @@ Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
     auto result = TRY(CompareHistory(history));
     result.described = HistoryLine(history);
     if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
-      if (const auto change = FindStoredChange(chosen.database, part, choice.machine,
-                                               AlarmsBeside(a.history.db, part.machine)))
-        result.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)).english);
+      for (const StoredChange& change :
+           FindStoredChanges(chosen.database, part, choice.machine, AlarmsBeside(a.history.db, part.machine)))
+        result.warnings.push_back(WarningOfBothSides(change, CountedWordsOf(choice.machine)).english);
     results.push_back(std::move(result));
   }
   return results;

@@ -53,7 +53,20 @@ void EventLog::Look(const LiveStatus& status) {
   }
   LookAtRefusals(status);
   LookAtSenders(status);
+  LookAtEstimates(status);
   LookAtJournal();
+}
+
+/// Once as they begin: values in the sentences change with every stroke.
+void EventLog::LookAtEstimates(const LiveStatus& status) {
+  for (const AxisStatus& axis : status.axes) {
+    if (axis.warnings.empty()) {
+      doubtful_.erase(axis.name);
+    } else if (doubtful_.insert(axis.name).second) {
+      for (const Told& warning : axis.warnings)
+        LogWarning("doubtful_estimates", {{"axis", axis.name}, {"why", Printable(warning.english)}});
+    }
+  }
 }
 
 void EventLog::TellCount(const char* event, const LogFields::value_type& who, std::int64_t count,

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "live/live_status.h"
@@ -34,6 +35,7 @@ class EventLog {
                  const std::string& why, std::int64_t now);
   void LookAtRefusals(const LiveStatus& status);
   void LookAtSenders(const LiveStatus& status);
+  void LookAtEstimates(const LiveStatus& status);
   void LookAtJournal();
 
   std::string journal_path_;
@@ -42,6 +44,7 @@ class EventLog {
   std::map<std::string, Link> sources_, feeds_;
   std::map<SenderId, std::string> senders_;
   std::map<std::string, Count> counts_;
+  std::set<std::string> doubtful_;  ///< axes whose estimates were warned of
 };
 
 }  // namespace hydroscope

@@ -39,5 +39,22 @@ TEST(EventLog, TellsOnceAMinuteWhoIsTurnedAway) {
   EXPECT_THAT(LinesOf("malformed_messages"), ElementsAre("source=dds count=7 why=odd"));
 }
 
+TEST(EventLog, TellsOfDoubtfulEstimatesOnceAsTheyBegin) {
+  EventLog log(testing::TempDir() + "/no_journal.db");
+  LiveStatus status;
+  status.axes.push_back({.name = "left"});
+  const auto look = [&](std::vector<Told> warnings) {
+    status.axes[0].warnings = std::move(warnings);
+    log.Look(status);
+  };
+  look({});
+  look({{"K is 7 bar", ""}});
+  look({{"K is 8 bar", ""}});
+  look({});
+  look({{"K is 9 bar", ""}});
+  EXPECT_THAT(LinesOf("doubtful_estimates"),
+              ElementsAre("axis=left why=\"K is 7 bar\"", "axis=left why=\"K is 9 bar\""));
+}
+
 }  // namespace
 }  // namespace hydroscope

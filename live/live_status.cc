@@ -102,6 +102,8 @@ json AxisJson(const AxisStatus& a, const std::vector<EstimateStatement>& stateme
           {"strokes", a.strokes},
           {"last_stroke_s", JsonNumber(a.last_stroke)},
           {"estimates", estimates},
+          {"warnings", InEnglish(a.warnings)},
+          {"german", {{"warnings", InGerman(a.warnings)}}},
           {"counters", CountersJson(a.counters)}};
 }
 
@@ -330,6 +332,7 @@ std::string AxesText(const json& axes, const std::string& counted, const Machine
       text += fmt::format(", {} {}", name, EstimateShown(kind, name, e));
     for (const auto& [name, e] : a.at("estimates").items())
       if (e.contains("why")) text += fmt::format("\n  {} NOT IDENTIFIABLE: {}", name, Word(e, "why"));
+    for (const std::string warning : a.at("warnings")) text += "\n  WARNING: " + warning;
     text += "\n ";
     for (const auto& [name, count] : a.at("counters").items())
       if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());

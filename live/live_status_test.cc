@@ -29,5 +29,15 @@ TEST(LiveStatus, SaysWhyAnEstimateIsNotToBeTrusted) {
   EXPECT_THAT(StatusText(json), HasSubstr("K NOT IDENTIFIABLE: a leak would move it"));
 }
 
+TEST(LiveStatus, WarnsOfEstimatesThatNoMachineHas) {
+  LiveStatus status;
+  status.kind = "die_cushion";
+  status.axes.push_back({.name = "press/left", .warnings = {{"no oil has that", "das hat kein Öl"}}});
+  const nlohmann::json json = StatusJson(status), &axis = json["axes"][0];
+  EXPECT_EQ(axis["warnings"], nlohmann::json({"no oil has that"}));
+  EXPECT_EQ(axis["german"]["warnings"], nlohmann::json({"das hat kein Öl"}));
+  EXPECT_THAT(StatusText(json), HasSubstr("\n  WARNING: no oil has that"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -3,6 +3,7 @@
 #include "core/told_error.h"
 #include "live/log.h"
 #include "monitor/promoted_model.h"
+#include "pipeline/doubtful_estimates.h"
 #include "pipeline/geometry_tolerance.h"
 
 namespace hydroscope {
@@ -150,8 +151,10 @@ DriftWatchStatus Surveillance::Drift() const {
 LiveStatus Surveillance::status() const {
   LiveStatus now = service_.status();
   now.drift = Drift();
-  for (AxisStatus& axis : now.axes)
+  for (AxisStatus& axis : now.axes) {
     for (Estimate& estimate : axis.estimates) StateEstimate(board_->StatementsOf(axis.name), estimate);
+    axis.warnings = DoubtsOf(machine_, axis.estimates);
+  }
   now.valve_check = checks_.state();
   now.log = NewestLogLines();
   std::lock_guard lock(mutex_);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/told_error.h"
+#include "models/closed_loop.h"
 #include "pipeline/shaft_rows.h"
 
 namespace hydroscope {
@@ -52,6 +53,7 @@ EpisodeCutter::EpisodeCutter(const Machine& machine, EpisodeSignals of, const Op
   rows_.quality.resize(signals);
   input_.assign(signals, false);
   for (const int s : signals_.inputs) input_[s] = true;
+  if (ClosedLoopOf(machine) != nullptr) driven_ = SignalsOfLoop(machine).back();
   shaft_ = machine.SignalIndex(machine.states.shaft);
   if (shaft_ >= 0) input_[shaft_] = true;
 }
@@ -71,8 +73,10 @@ bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
 
 bool EpisodeCutter::InputsGood(const SampleBlock& block, std::size_t row) const {
   constexpr Quality kForgiven = kTimeBreaks | kFineOnInputs;
-  for (std::size_t s = 0; s < input_.size(); ++s)
-    if (input_[s] && !GoodReading(block.signal[s][row], block.quality[s][row], kForgiven)) return false;
+  for (std::size_t s = 0; s < input_.size(); ++s) {
+    const Quality forgiven = static_cast<int>(s) == driven_ ? kForgiven & ~quality::kStuck : kForgiven;
+    if (input_[s] && !GoodReading(block.signal[s][row], block.quality[s][row], forgiven)) return false;
+  }
   return true;
 }
 

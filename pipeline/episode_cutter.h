@@ -85,6 +85,7 @@ class EpisodeCutter {
   Sink sink_;
   EpisodeMarker marker_;
   std::vector<bool> input_;     ///< per signal: without a good reading of it a row is none
+  int driven_ = -1;             ///< output of a closed loop, which never rests while its set point moves
   int shaft_ = -1;              ///< signal of StatesSpec::shaft
   std::vector<double> spikes_;  ///< share per signal, empty: of each episode
   Rows rows_;

@@ -6,14 +6,12 @@
 #include <optional>
 
 #include "core/contains.h"
-#include "estimation/closed_loop/loop_episodes.h"
-#include "estimation/closed_loop/reversal.h"
 #include "host/text_file.h"
-#include "models/closed_loop.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "monitor/promoted_model.h"
+#include "pipeline/doubtful_estimates.h"
 #include "pipeline/episode_pipeline.h"
 #include "pipeline/episodes.h"
 #include "pipeline/log_faults/broken_strokes.h"
@@ -198,7 +196,6 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::int64_t silent = 0;  // episodes that tell of no parameter
-  const ClosedLoopPlant* const loop = ClosedLoopOf(machine_);
   Told reversed;
   std::optional<ReportCollector> collector;
   FirstStrokes first(machine_);
@@ -206,11 +203,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
     if (collector) collector->AddStroke(record);
     first.AddStroke(record);
     silent += record.estimates.empty() ? 1 : 0;
-    if (loop != nullptr && record.estimates.size() == loop->parameters.size()) {
-      std::vector<double> parameters;
-      for (const Estimate& estimate : record.estimates) parameters.push_back(estimate.value);
-      reversed = ReversedSignal(*loop, parameters, ReferencesOf(machine_));
-    }
+    if (!record.estimates.empty()) reversed = ReversedIn(machine_, record.estimates);
     batch.push_back(std::move(record));
   }));
   Pipeline& pipeline = *created;

@@ -10,6 +10,7 @@ namespace hydroscope::command_line_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Commands on logs of the simulated test cylinder.
 class LoopCommand : public CommandLine {
@@ -67,6 +68,10 @@ TEST_F(LoopCommand, CheckNamesASignalThatStandsStill) {
   log << "t,z_set,I_v,z\n";
   for (int k = 0; k < 2000; ++k) log << k * 0.001 << "," << k % 7 << "," << k % 5 << ",3\n";
   log.close();
+  const Ran told = Run({"check", File("still.csv"), "-m", machine_});
+  EXPECT_EQ(told.exit_code, 4) << "nothing can be measured";
+  EXPECT_THAT(told.out, HasSubstr("no response: z does not move in this log"));
+  EXPECT_THAT(told.out, Not(HasSubstr("next:")));
   const auto json = Run({"check", File("still.csv"), "-m", machine_, "--json", "-"}).Json();
   EXPECT_THAT(json.at("hints").dump(), HasSubstr("z (column z): one and the same reading"));
   EXPECT_THAT(json.at("german").at("hints").dump(), HasSubstr("ein und derselbe Wert"));
@@ -131,6 +136,11 @@ TEST_F(LoopCommand, APositionThatStandsIsLeftOutAndSaid) {
     EXPECT_THAT(Run({command, File("stuck.csv"), "-m", machine_}).out,
                 HasSubstr("4001 of 20000 rows left out (stuck 4001)"))
         << command;
+  const Ran check = Run({"check", File("stuck.csv"), "-m", machine_});
+  EXPECT_EQ(check.exit_code, 4);
+  EXPECT_THAT(check.out, HasSubstr("flagged: 4000 x stuck, first at 8"));
+  EXPECT_THAT(Run({"replay", File("stuck.csv"), "-m", machine_, "--db", File("c.db")}).out,
+              HasSubstr("4000  values flagged stuck, z"));
 }
 
 TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {

@@ -41,5 +41,16 @@ TEST_F(OddStoredStrokes, AreToldOfADatabaseAsOfItsLog) {
   EXPECT_EQ(nlohmann::json::parse(explained.out)["verdict"], of_db["verdict"]);
 }
 
+/// A leak that came and went again divides the strokes nowhere.
+TEST_F(OddStoredStrokes, AStretchThatDiffersIsToldByCompare) {
+  const std::string before = Simulate("before.csv", 60, 1),
+                    leaks = Simulate("leaks.csv", 60, 2, {"--effect", "internal_leakage=1e-11"}),
+                    after = Simulate("after.csv", 60, 3);
+  ASSERT_EQ(
+      Run({"replay", before, leaks, after, "-m", kMachine, "--db", File("came.db"), "--quiet"}).exit_code, 0);
+  const auto compared = Run({"compare", "--db", File("came.db"), "--json", "-"}).Json();
+  EXPECT_THAT(compared.at("warnings").dump(), testing::HasSubstr("hold a stretch that differs"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -40,6 +40,16 @@ TEST_F(StateModels, NobodyIsSentForMoreOfALogThatTheModelDoesNotDescribe) {
   EXPECT_THAT(check, Not(AnyOf(HasSubstr("record "), HasSubstr("noise alone"))));
 }
 
+TEST_F(StateModels, WithoutAFitCheckIsDoneInPartAndSendsNobodyToFit) {
+  const std::string text = ReadText(File("log.csv"));
+  std::size_t end = 0;
+  for (int line = 0; line < 8; ++line) end = text.find('\n', end) + 1;
+  WriteText(File("log.csv"), text.substr(0, end));
+  const Ran ran = Of("check");
+  EXPECT_EQ(ran.exit_code, 4);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("no fit: "), Not(HasSubstr("next:"))));
+}
+
 /// What rests between noisy phases is stuck for a sensor, and none of an episode's rows is left out for it.
 TEST_F(StateModels, AnInputThatRestsIsNoFaultForCheckEither) {
   StatesLog log = SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 2000});

@@ -4,6 +4,7 @@
 
 #include "core/constants.h"
 #include "core/contains.h"
+#include "models/closed_loop.h"
 #include "models/doubled_signals.h"
 #include "models/machine_kind.h"
 #include "models/state_model.h"
@@ -157,6 +158,22 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
       fit->fit.noise.size() == 1 ? fit->fit.scale[0] : 1.0;
 }
 
+/// Of a machine that is measured by its response: a command or an answer that never moves tells none.
+std::string NoResponse(const CheckResult& check) {
+  const Machine& machine = check.machine;
+  const std::vector<int> moved =
+      ClosedLoopOf(machine) != nullptr
+          ? SignalsOfLoop(machine)
+          : std::vector{machine.SignalIndex(machine.valve.input), machine.SignalIndex(machine.valve.output)};
+  for (const int signal : moved) {
+    if (signal < 0) continue;
+    const CheckedSignal& seen = check.signals[static_cast<std::size_t>(signal)];
+    if (seen.present && !(seen.range.max > seen.range.min))
+      return seen.spec.name + " does not move in this log";
+  }
+  return {};
+}
+
 /// `known`: where sensors end, of an earlier look at the same log.
 Result<CheckResult> LookAt(const std::string& log, const Machine& machine,
                            const std::vector<CutOff>& known = {});
@@ -168,9 +185,9 @@ bool CheckResult::Clean() const {
 }
 
 bool CheckResult::NothingIdentified() const {
-  return !parameters.empty() && std::ranges::all_of(parameters, [](const CheckedParameter& p) {
-    return p.verdict == Identifiability::kNot;
-  });
+  const bool any = std::ranges::any_of(
+      parameters, [](const CheckedParameter& p) { return p.verdict != Identifiability::kNot; });
+  return !any && (!parameters.empty() || !no_fit.empty());
 }
 
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
@@ -242,7 +259,10 @@ Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
   } else {
-    if (KindOf(machine).has_states) TakeStatesFit(log, check);
+    if (KindOf(machine).has_states)
+      TakeStatesFit(log, check);
+    else
+      check.no_fit = NoResponse(check);
     check.hints = PlausibilityHints(check);
   }
   for (const DoubledSignals& doubled : DoubledSignalsOf(check.machine))

@@ -62,14 +62,14 @@ struct CheckResult {
   GramFit figures;                           ///< FitResult::fit; all 0 if there is no fit
   /// figures.noise_floor is more than noise: what no function of a model's states predicts, or a run that hardly follows.
   bool noise_at_most = false;
-  std::string no_fit;       ///< why there is no fit, "" if there is one
+  std::string no_fit;       ///< why there is no fit, or nothing that `frf` could measure; "" otherwise
   LogTrust trust;           ///< of noise and sampling rate
   FitSuspicion suspicion;   ///< what the model may miss
   std::vector<Told> hints;  ///< what looks wrong in units, signs, gate
 
   /// No row or value had to be left out because of its quality.
   bool Clean() const;
-  /// It has parameters, and none of them can be identified.
+  /// Its parameters are asked for, and none of them can be identified.
   bool NothingIdentified() const;
 };
 

@@ -160,6 +160,8 @@ Told ImpossibleOf(const CheckResult& check) {
 std::string Identification(const CheckResult& check) {
   if (KindOf(check.machine).has_states && check.parameters.empty())
     return fmt::format("\nno fit: {}\n", check.no_fit);
+  if (MeasuredByResponse(KindOf(check.machine)) && !check.no_fit.empty())
+    return fmt::format("\nno response: {}\n", check.no_fit);
   if (MeasuredByResponse(KindOf(check.machine)))
     return fmt::format("\n{}: command and response only; measure it with 'hydroscope frf'\n",
                        KindOf(check.machine).title);
@@ -214,7 +216,7 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
   const MachineKind& kind = KindOf(check.machine);
   const bool fits = check.driving.strokes > 0 && !check.NothingIdentified();
-  const char* next = MeasuredByResponse(kind)            ? "frf"
+  const char* next = MeasuredByResponse(kind)            ? (check.no_fit.empty() ? "frf" : nullptr)
                      : check.suspicion.ExplainSaysMore() ? "explain"
                      : fits                              ? "fit"
                                                          : nullptr;

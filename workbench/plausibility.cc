@@ -15,6 +15,8 @@ namespace {
 constexpr double kHardlyEver = 0.01;  // share of rows: so few are as good as none
 // Share of rows in which a mirrored condition would hold, to be advised.
 constexpr double kOftenEnough = 0.05;
+// Share of a declared range that readings reach: a factor of 1000 between units shows at whatever use a machine makes of it.
+constexpr double kLeastOfRange = 1.0 / 500, kMostOfRange = 100;
 
 /// What a quantity on a hydraulic machine looks like; `measure` of a signal lies between `low` and `high`, SI.
 struct Expectation {
@@ -100,6 +102,13 @@ std::optional<Expectation> ExpectationFor(const Machine& machine, const SignalSp
   return std::nullopt;
 }
 
+/// Whether the machine's kind tells what size a signal has.
+bool IsSizeKnown(const Machine& machine, const SignalSpec& spec) {
+  return std::ranges::any_of(KindOf(machine).signals, [&](const MachineInput& input) {
+    return input.name == spec.name && input.size.has_value();
+  });
+}
+
 /// The unit in which the column's numbers would look right, if any.
 std::optional<std::string> BetterUnit(const Expectation& expected, const CheckedSignal& signal,
                                       const Unit& unit) {
@@ -132,6 +141,39 @@ void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<
       better ? Tell(". They look like {}: set unit = \"{}\"", ". Sie sehen nach {} aus: unit = \"{}\" setzen",
                     *better, *better)
              : Told{}));
+}
+
+/// The unit of which the readings would fill the range that the machine file declares, if any.
+std::string UnitThatFills(const CheckedSignal& signal, const Unit& unit, double largest, double declared) {
+  for (const std::string& name : UnitNames()) {
+    const auto other = FindUnit(name);
+    if (!other || name == signal.spec.unit || other->si != unit.si || other->offset != 0) continue;
+    const double share = largest / unit.scale * other->scale / declared;
+    if (share > kLeastOfRange && share <= 1) return name;
+  }
+  return {};
+}
+
+/// Readings that are hundreds of times smaller or larger than the range that the machine file declares, of signals that nothing else
+/// tells the size of: a wrong unit or scale. Such a range is that of a sensor, and a machine at work uses more of it.
+void JudgeDeclaredRange(const CheckedSignal& signal, std::vector<Told>& hints) {
+  const SignalSpec& spec = signal.spec;
+  const auto unit = FindUnit(spec.unit);
+  if (!unit || unit->offset != 0 || !signal.range.seen() || !spec.min || !spec.max) return;
+  const double declared = std::max(std::abs(*spec.min), std::abs(*spec.max)),
+               largest = std::max(std::abs(signal.range.min), std::abs(signal.range.max));
+  if (!(declared > 0) || !(largest > 0) || !(signal.range.max > signal.range.min)) return;
+  const double share = largest / declared;
+  if (share >= kLeastOfRange && share <= kMostOfRange) return;
+  const std::string better = UnitThatFills(signal, *unit, largest, declared);
+  hints.push_back(Tell(
+      "{} (column {}): the readings reach {:.2g} {}, min and max of the machine file {:.2g} {}: look at its unit and scale{}",
+      "{} (Spalte {}): die Werte reichen bis {:.2g} {}, min und max der Maschinendatei bis {:.2g} {}: Einheit und Skalierung "
+      "prüfen{}",
+      spec.name, spec.column, largest / unit->scale, spec.unit, declared / unit->scale, spec.unit,
+      better.empty() ? Told{}
+                     : Tell(". They look like {}: set unit = \"{}\"",
+                            ". Sie sehen nach {} aus: unit = \"{}\" setzen", better, better)));
 }
 
 void JudgeRest(const CheckedSignal& signal, std::vector<Told>& hints) {
@@ -246,6 +288,7 @@ std::vector<Told> PlausibilityHints(const CheckResult& check) {
   for (const CheckedSignal& signal : check.signals) {
     if (!signal.present) continue;
     if (of_strokes && check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);
+    if (!IsSizeKnown(check.machine, signal.spec)) JudgeDeclaredRange(signal, hints);
     JudgeRest(signal, hints);
     if (of_strokes) JudgeGood(check, signal, hints);
   }

@@ -267,7 +267,7 @@ const char* VerdictName(LoopComparison::Verdict verdict) {
 }
 
 LoopState StateOf(const LoopResponse& response) {
-  LoopState state{*response.fit, response.input_limit};
+  LoopState state{*response.fit, response.input_limit, response.dead_band, response.readings_end};
   state.covariance *= response.fit->Widening() * response.fit->Widening();
   return state;
 }
@@ -299,6 +299,14 @@ LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& 
     comparison.verdict = LoopComparison::Verdict::kNamed;
   if (comparison.poles_unknown && comparison.verdict == LoopComparison::Verdict::kAdequate)
     comparison.verdict = LoopComparison::Verdict::kUnknown;
+  comparison.dead_band = after.dead_band.has_value() != before.dead_band.has_value();
+  comparison.readings_end = after.readings_end.has_value() != before.readings_end.has_value() &&
+                            comparison.verdict != LoopComparison::Verdict::kAdequate;
+  if (comparison.dead_band || comparison.readings_end) {
+    comparison.verdict = LoopComparison::Verdict::kUnknown;
+    comparison.others.clear();
+    comparison.imitators.clear();
+  }
   return comparison;
 }
 

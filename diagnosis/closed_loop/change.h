@@ -13,6 +13,7 @@ namespace hydroscope {
 /// A plant in closed loop as one record gives it.
 struct LoopState : LoopEstimate {
   std::optional<double> input_limit;  ///< SI, beyond which the input does not reach the plant
+  std::optional<double> dead_band = {}, readings_end = {};  ///< as LoopResponse
 };
 
 /// As a response with a fit has it, its errors as wide as its intervals (TransferFit::Widening).
@@ -38,7 +39,7 @@ struct LoopComparison {
     kAdequate,   ///< nothing changed
     kNamed,      ///< `set` did
     kAmbiguous,  ///< another set of the same size does as well: `others`
-    kUnknown,    ///< no set of up to three changes leads there, `poles_unknown` or `reversed`
+    kUnknown,  ///< no set of up to three changes leads there, `poles_unknown`, `reversed`, `dead_band` or `readings_end`
   };
   const ClosedLoopPlant* plant = nullptr;
   Verdict verdict = Verdict::kAdequate;
@@ -51,6 +52,10 @@ struct LoopComparison {
   bool limit_appeared = false, limit_went = false;
   bool poles_unknown = false;  ///< in one of the records; their changes are not seen, and never kAdequate
   bool reversed = false;       ///< the gain changed its sign, a signal did: nothing is compared, kUnknown
+  /// One of the records alone shows one: figures that go with the excitation are no changes that could be named.
+  bool dead_band = false;
+  /// The input's readings end in one of the records alone, and something changed: it may be the readings.
+  bool readings_end = false;
   LoopState before, after;
 };
 /// "adequate", "named", "ambiguous", "unknown".

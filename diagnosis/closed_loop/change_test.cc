@@ -215,6 +215,30 @@ TEST(LoopChange, ASaturationThatAppearedIsNamedByItself) {
   EXPECT_TRUE(c.set.changes.empty());
 }
 
+TEST(LoopChange, NothingIsNamedWhereFiguresGoWithTheExcitation) {
+  LoopState after = Cylinder();
+  after.parameters[3] *= 0.66;
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kNamed);
+  after.dead_band = 0.002;
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
+  EXPECT_EQ(c.verdict, LoopVerdict::kUnknown);
+  EXPECT_TRUE(c.dead_band);
+  LoopState before = Cylinder();
+  before.dead_band = 0.002;
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, before, after).verdict, LoopVerdict::kNamed)
+      << "both have it";
+}
+
+TEST(LoopChange, AGainThatReadingsWhichEndMayMakeIsNotNamed) {
+  LoopState after = Cylinder();
+  after.readings_end = 0.015;
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kAdequate);
+  after.parameters[3] *= 1.065;
+  const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
+  EXPECT_EQ(c.verdict, LoopVerdict::kUnknown);
+  EXPECT_TRUE(c.readings_end);
+}
+
 TEST(LoopChange, ReferencesWithoutErrorsAreComparedToo) {
   LoopState reference = Cylinder();
   reference.covariance.setZero();

@@ -44,6 +44,10 @@ struct LoopResponse {
   double seconds_needed = 0;  ///< of such a record for LoopParameter::wanted of all, in 99 of 100 records
   std::string needed_for;     ///< the parameter that needs the longest
   std::optional<double> input_limit;  ///< SI; inputs beyond it do not reach the plant
+  /// SI; of smaller inputs a smaller share does, as with a dead band of that size (FindDeadBand). Figures are those of a plant
+  /// without one, at this excitation.
+  std::optional<double> dead_band;
+  std::optional<double> readings_end;  ///< SI; FindEndOfReadings of the input
   std::vector<Told> warnings;
 };
 

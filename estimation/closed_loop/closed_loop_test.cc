@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/constants.h"
+#include "estimation/closed_loop/input_limit.h"
 #include "machines/test_cylinder/kind.h"
 #include "machines/test_cylinder/response.h"
 #include "simulator/test_cylinder/test_cylinder.h"
@@ -35,6 +37,8 @@ TEST(ClosedLoop, TheTruthLiesInsideTheIntervalsAndNearTheValues) {
   EXPECT_NEAR(response->parameters[0].value, 343, 0.015 * 343);
   EXPECT_NEAR(response->parameters[3].value, 0.0114, 0.01 * 0.0114);
   EXPECT_FALSE(response->input_limit);
+  EXPECT_FALSE(response->dead_band);
+  EXPECT_FALSE(response->readings_end);
   EXPECT_EQ(response->fit->inflation, 1);
 }
 
@@ -72,6 +76,39 @@ TEST(ClosedLoop, AHeldInputThatIsTakenForAnEvenOneBendsTheFigures) {
   const auto response = MeasureClosedLoop(RecordOf(o), even);
   ASSERT_TRUE(response && response->fit);
   EXPECT_GT(response->parameters[4].value, 80e-6) << "half a row of hold passes for a delay";
+}
+
+TEST(ClosedLoop, ADeadBandOfTheInputIsToldAndItsSizeFound) {
+  const TestCylinderOptions o{.seconds = 20, .seed = 4};
+  FrequencyRecord record = RecordOf(o);
+  constexpr double kBand = 5e-4;  // A
+  for (double& u : record.runs[0].input)
+    u += u < 0 ? -kBand : kBand;  // what gets the plant to move as it did
+  const auto response = MeasureClosedLoop(record, ModelOf(o));
+  ASSERT_TRUE(response);
+  ASSERT_TRUE(response->dead_band);
+  EXPECT_NEAR(*response->dead_band, kBand, 0.05 * kBand);
+  EXPECT_THAT(response->warnings.front().english, HasSubstr("as with a dead band of 0.0005 A of I_v"));
+}
+
+TEST(ClosedLoop, ReadingsOfTheInputThatEndAreToldAndNoDeadBand) {
+  const TestCylinderOptions o{.seconds = 20, .seed = 4};
+  FrequencyRecord record = RecordOf(o);
+  EXPECT_FALSE(FindEndOfReadings(record));
+  for (double& u : record.runs[0].input) u = std::clamp(u, -0.015, 0.015);
+  const auto response = MeasureClosedLoop(record, ModelOf(o));
+  ASSERT_TRUE(response);
+  ASSERT_TRUE(response->readings_end);
+  EXPECT_EQ(*response->readings_end, 0.015);
+  EXPECT_FALSE(response->dead_band);
+  EXPECT_THAT(response->warnings.front().english, HasSubstr("I_v never reads more than 0.015 A"));
+}
+
+TEST(ClosedLoop, TheReadingsOfASineDoNotEndAtItsPeaks) {
+  FrequencyRecord record{1e-3, {SignalRun{}}};
+  for (int k = 0; k < 20000; ++k)
+    record.runs[0].input.push_back(1e-4 * std::round(1e4 * std::sin(0.0123 * k)));
+  EXPECT_FALSE(FindEndOfReadings(record));
 }
 
 TEST(ClosedLoop, ADelayOfTheSensorIsFoundBesideTheOtherFigures) {

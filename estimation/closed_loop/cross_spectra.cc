@@ -33,7 +33,11 @@ int SegmentsOf(const FrequencyRecord& record, std::size_t length) {
 }
 
 /// Adds every segment of the record to its block.
-void SumSegments(const FrequencyRecord& record, double limit, LoopSpectra& spectra) {
+void SumSegments(const FrequencyRecord& record, const LoopSpectraOptions& options, LoopSpectra& spectra) {
+  const auto reaches = [&](double input) {
+    return std::clamp(input, -options.limit, options.limit) -
+           std::clamp(input, -options.dead_band, options.dead_band);
+  };
   const std::size_t length = spectra.segment_length;
   SegmentTransform transform(length);
   int segment = 0;
@@ -42,8 +46,7 @@ void SumSegments(const FrequencyRecord& record, double limit, LoopSpectra& spect
       const auto block = static_cast<std::size_t>(segment++) * spectra.blocks.size() /
                          static_cast<std::size_t>(spectra.segments);
       const std::vector<Complex> r = transform([&](std::size_t n) { return run.set_point[start + n]; });
-      const std::vector<Complex> u =
-          transform([&](std::size_t n) { return std::clamp(run.input[start + n], -limit, limit); });
+      const std::vector<Complex> u = transform([&](std::size_t n) { return reaches(run.input[start + n]); });
       const std::vector<Complex>& y =
           transform([&](std::size_t n) { return run.output[start + n] - run.output[start + n - 1]; });
       for (std::size_t bin = 0; bin < y.size(); ++bin) {
@@ -108,7 +111,7 @@ Result<LoopSpectra> AverageLoopSpectra(const FrequencyRecord& record, const Loop
   const auto blocks = static_cast<std::size_t>(std::min(kMostLoopBlocks, spectra.segments / 2));
   const std::size_t bins = spectra.segment_length / 2 + 1;
   spectra.blocks.assign(blocks, std::vector<LoopSums>(bins));
-  SumSegments(record, options.limit, spectra);
+  SumSegments(record, options, spectra);
   spectra.bins.resize(bins);
   for (const std::vector<LoopSums>& block : spectra.blocks)
     for (std::size_t bin = 0; bin < bins; ++bin) spectra.bins[bin] += block[bin];

@@ -47,6 +47,7 @@ struct LoopSpectraOptions {
   std::size_t segment_length = 0;  ///< samples; 0: the largest power of two within `segment`
   /// Of the input's magnitude: what is above does not reach the plant.
   double limit = std::numeric_limits<double>::infinity();
+  double dead_band = 0;  ///< of the input's magnitude: what is below does not reach the plant
 };
 
 /// Error (kBadInput): runs without set point, or too short for eight segments.

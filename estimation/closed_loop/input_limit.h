@@ -14,4 +14,14 @@ namespace hydroscope {
 std::optional<double> FindInputLimit(const FrequencyRecord& record, const LoopSpectraOptions& options,
                                      const LoopSpectra& spectra, const std::vector<std::size_t>& used);
 
+/// The magnitude of the input below which it does not reach the plant, if there is one, sought as the limit is between a
+/// hundredth and half of the rows. A valve with overlap has a dead band, and friction that does not grow with the speed looks
+/// like a small one.
+std::optional<double> FindDeadBand(const FrequencyRecord& record, const LoopSpectraOptions& options,
+                                   const LoopSpectra& spectra, const std::vector<std::size_t>& used);
+
+/// The magnitude at which the readings of the input end: so many lie exactly there and next to none near it, as a logger, an
+/// amplifier's monitor or a controller cuts them off. Nothing if they do not.
+std::optional<double> FindEndOfReadings(const FrequencyRecord& record);
+
 }  // namespace hydroscope

@@ -105,6 +105,20 @@ TEST_F(LoopFollowing, APoleThatJumpsIsFollowedToItsTruth) {
   EXPECT_NEAR(last.estimates[3].value, t.K_sv, 0.02 * t.K_sv);
 }
 
+/// What is known sharply seems to move for a remainder that others leave which are led only part of the way.
+TEST_F(LoopFollowing, EpisodesOfMoreFrictionSpeakOfDampingAtOnceAndOfNothingElse) {
+  const TestCylinderOptions rough = {.zeta_h = 1.4 * 0.9766, .seed = 16};
+  const TestCylinderTruth t = TruthOf(rough);
+  for (const FollowedEpisode& f : After(kGrownUp, 3, rough)) {
+    const EpisodeEvidence& e = f.evidence;
+    const Eigen::VectorXd best = e.at + e.information.ldlt().solve(e.gradient);
+    EXPECT_NEAR(best[0], t.f_h, 0.1 * t.f_h);
+    EXPECT_NEAR(best[1], t.zeta_h, 0.15 * t.zeta_h);
+    EXPECT_NEAR(best[2], t.f_sv, 0.25 * t.f_sv);
+    EXPECT_NEAR(best[3], t.K_sv, 0.02 * t.K_sv);
+  }
+}
+
 TEST_F(LoopFollowing, NothingIsStatedBesideALimitOfTheSearch) {
   int at_limit = 0;
   for (const FollowedEpisode& f : After(3, 6, {.f_h = 103, .zeta_h = 2.93, .seed = 16})) {

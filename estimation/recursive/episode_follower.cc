@@ -38,6 +38,11 @@ Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
 
 /// Standard errors of an episode within which what it says beyond the others may be chance.
 constexpr double kChance = 3;
+/// Squared errors over the noise that parameters of its own take from an episode, of which chance gives five parameters as many
+/// in one of ten million; and of which a step that takes no more ends the search for them.
+constexpr double kBeyondChance = 40, kSearchEnds = 0.01;
+constexpr double kBeginDamping = 1e-3, kMostDamping = 1e6, kDampingStep = 10;
+constexpr int kMostSteps = 30;
 
 /// Variance of following: a parameter is so far `behind` what an episode alone says of it, whose own variance is `own`.
 double LagVariance(double behind, double own) {
@@ -92,8 +97,9 @@ void EpisodeFollower::Begin(const FirstFit& fit) {
 
 /// Nothing where the model cannot be run at `at`.
 std::optional<EpisodeEvidence> EpisodeFollower::Linearise(const ReadEpisode& episode,
-                                                          const Eigen::VectorXd& at) const {
-  const auto linear = episode.Linearise(at, basis_);
+                                                          const Eigen::VectorXd& at,
+                                                          const Eigen::VectorXd& basis) const {
+  const auto linear = episode.Linearise(at, basis);
   if (!linear) return std::nullopt;
   EpisodeEvidence e;
   e.at = at;
@@ -154,6 +160,33 @@ EpisodeEvidence EpisodeFollower::Settle(const ReadEpisode& episode, EpisodeEvide
     const auto again = Linearise(episode, next);
     if (!again || again->energy > evidence.energy) break;  // too far: what was linearised before stands
     evidence = *again;
+  }
+  return evidence;
+}
+
+/// What an episode says where it is described best, if that lies beyond chance from where it was linearised: slopes that lead
+/// only part of the way leave a remainder there, and what is known sharply seems to have moved for it. Levenberg-Marquardt with
+/// slopes that move along. Of models whose episodes tell the parameters by themselves, and have them for a basis.
+EpisodeEvidence EpisodeFollower::ByItself(const ReadEpisode& episode, EpisodeEvidence evidence) const {
+  if (evidence.gradient.dot(Best(evidence) - evidence.at) <= kBeyondChance * evidence.unexplained)
+    return evidence;
+  double damping = kBeginDamping;
+  for (int step = 0; step < kMostSteps && damping < kMostDamping; ++step) {
+    const auto here = Linearise(episode, evidence.at, evidence.at);
+    if (!here) break;
+    Eigen::MatrixXd damped = size_.asDiagonal() * here->information * size_.asDiagonal();
+    damped.diagonal() *= 1 + damping;
+    const Eigen::VectorXd next = Admissible(
+        evidence.at + size_.cwiseProduct(FlooredInverse(damped) * size_.cwiseProduct(here->gradient)));
+    const auto there = Linearise(episode, next);
+    const double gained = there ? evidence.energy - there->energy : -1;
+    if (gained > 0) {
+      evidence = *there;
+      damping /= kDampingStep;
+      if (gained < kSearchEnds * evidence.unexplained) break;
+    } else {
+      damping *= kDampingStep;
+    }
   }
   return evidence;
 }
@@ -317,7 +350,10 @@ FollowedEpisode EpisodeFollower::Add(const Episode& episode) {
     }
     settled = *before;
   }
-  if (!first && !anew && model_->told_by_one()) anew = Recover(*read, *before, settled, seconds);
+  if (!first && !anew && model_->told_by_one()) {
+    anew = Recover(*read, *before, settled, seconds);
+    if (!anew) settled = ByItself(*read, std::move(settled));
+  }
   const Eigen::MatrixXd covariance = filter_->Covariance();
   Widen(*before, settled, !first && !anew);
   out.error_before = first ? kUnknown : before->ErrorAt(before->at);

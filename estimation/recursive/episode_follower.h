@@ -91,7 +91,12 @@ class EpisodeFollower {
   const FollowedParameter& parameter(int p) const { return model_->parameters()[p]; }
   bool Begin(const ReadEpisode& episode);
   void Begin(const FirstFit& fit);
-  std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at) const;
+  std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at,
+                                           const Eigen::VectorXd& basis) const;
+  std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at) const {
+    return Linearise(episode, at, basis_);
+  }
+  EpisodeEvidence ByItself(const ReadEpisode& episode, EpisodeEvidence evidence) const;
   Eigen::VectorXd Best(const EpisodeEvidence& evidence) const;
   InformationFilter Updated(const EpisodeEvidence& evidence, double seconds) const;
   EpisodeEvidence Settle(const ReadEpisode& episode, EpisodeEvidence evidence, double seconds) const;

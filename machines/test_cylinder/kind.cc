@@ -84,8 +84,12 @@ constexpr std::array<LoopChange, 8> kChanges = {{
       "eine andere Aufnahme oder ein anderer Prüfling an der Stange"},
      kMass},
     {"sensor_delay",
-     {"delay of the position's reading", "Totzeit der Positionsanzeige"},
-     {"filter or bus of the position sensor", "Filter oder Bus des Positionssensors"},
+     {"delay from the current's reading to the position's",
+      "Totzeit von der Anzeige des Stroms zu der der Position"},
+     {"filter or bus of the position sensor, or columns of current and position that are not of the same moment: a row late "
+      "in the log, a slower task",
+      "Filter oder Bus des Positionssensors, oder Spalten von Strom und Position, die nicht vom selben Zeitpunkt sind: eine "
+      "Zeile später im Log, eine langsamere Task"},
      kDelay},
 }};
 

@@ -17,6 +17,7 @@
 #include "monitor/rules_for.h"
 #include "monitor/statement_json.h"
 #include "page/watch/trend_cache.h"
+#include "pipeline/doubtful_estimates.h"
 #include "storage/valve_check_words.h"
 #include "workbench/history/stated_estimates.h"
 #include "workbench/history/stroke_history.h"
@@ -157,7 +158,12 @@ Status WatchedMachine::StateLatest(const nlohmann::json& told, std::vector<Trend
       statements_ = std::move(stated->statements);
     stated_to_ = end_;
   }
-  for (TrendPoint& point : latest) StateEstimate(statements_, point.estimate);
+  std::vector<Estimate> estimates;
+  for (TrendPoint& point : latest) {
+    StateEstimate(statements_, point.estimate);
+    estimates.push_back(point.estimate);
+  }
+  doubts_ = DoubtsOf(machine_, estimates);
   return {};
 }
 
@@ -329,7 +335,9 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
            {"effects", machine_.added_effects},
            {"reference_version", monitor == nullptr ? 0 : monitor->reference().version()},
            {"judged_to", monitor_ ? monitor_->next_stroke() : 0},
-           {"parameters", std::move(parameters)}};
+           {"parameters", std::move(parameters)},
+           {"warnings", InEnglish(doubts_)},
+           {"german", {{"warnings", InGerman(doubts_)}}}};
   return {};
 }
 

@@ -49,6 +49,8 @@ TEST_F(WatchedAxisTest, StatesEstimatesAsTrendsDoesAndARunningServiceAsThat) {
   EXPECT_NEAR(StdOf(**watched, "V0") / std::hypot(stored.std, 0.005 * stored.value), 1, 1e-9);
   EXPECT_EQ((*watched)->picture().estimates[1].estimate.std, StdOf(**watched, "V0")) << "of tags";
 
+  EXPECT_TRUE((*watched)->json()["warnings"].empty());
+
   const nlohmann::json told = {
       {"name", name},
       {"health", "C"},

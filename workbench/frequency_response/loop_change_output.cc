@@ -18,7 +18,8 @@ bool MovesDelay(const LoopChange& change) { return change.direction.back() != 0;
 /// Times a factor, or by some ms.
 std::string SizeText(const SizedChange& sized) {
   if (MovesDelay(*sized.change))
-    return WithInterval(1e3 * sized.size, kNormal95 * 1e3 * sized.std) + " ms longer";
+    return WithInterval(1e3 * std::abs(sized.size), kNormal95 * 1e3 * sized.std) +
+           (sized.size < 0 ? " ms shorter" : " ms longer");
   const double factor = std::exp(sized.size);
   return WithInterval(factor, kNormal95 * factor * sized.std) + " times";
 }
@@ -94,6 +95,14 @@ std::string VerdictText(const LoopComparison& comparison) {
         return fmt::format(
             "unknown: {} or {} is reversed between the records: check wiring and sign; nothing else is compared before\n",
             comparison.plant->output, comparison.plant->input);
+      if (comparison.dead_band)
+        return "unknown: one of the records alone shows a dead band, or friction that does not grow with speed (see the "
+               "note): its figures go with the excitation, and what else changed is not said\n";
+      if (comparison.readings_end)
+        return fmt::format(
+            "unknown: readings of {} end in one of the records alone (see the note), which may be all that changed; "
+            "nearest: {}\n",
+            comparison.plant->input, set.changes.empty() ? "none" : SetText(set));
       if (comparison.poles_unknown && set.changes.empty())
         return "unknown: gain and delay did not change; whether the poles did, these records do not say\n";
       return fmt::format("unknown: no set of changes that are known leads there; nearest: {}\n",
@@ -177,6 +186,8 @@ nlohmann::json LoopChangeJson(const LoopChangeResult& result) {
                          {"parameters", nlohmann::json::object()},
                          {"input_limit", nullptr},
                          {"reversed", comparison.reversed},
+                         {"dead_band", comparison.dead_band},
+                         {"readings_end", comparison.readings_end},
                          {"poles_unknown", comparison.poles_unknown},
                          {"known", KnownChangesJson(*comparison.plant)},
                          {"warnings", InEnglish(warnings)},

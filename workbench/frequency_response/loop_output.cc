@@ -124,12 +124,16 @@ nlohmann::json LoopJson(const LoopLog& measured, const Machine& machine) {
                          {"segments", response.segments},
                          {"command_hold_s", measured.model.hold},
                          {"input_limit", nullptr},
+                         {"dead_band", nullptr},
+                         {"readings_end", nullptr},
                          {"direct_bias", nullptr},
                          {"rows", measured.log.rows},
                          {"rows_left_out", measured.log.left_out},
                          {"warnings", InEnglish(warnings)},
                          {"german", {{"warnings", InGerman(warnings)}}}};
   if (response.input_limit) json["input_limit"] = *response.input_limit;
+  if (response.dead_band) json["dead_band"] = *response.dead_band;
+  if (response.readings_end) json["readings_end"] = *response.readings_end;
   if (response.direct_bias)
     json["direct_bias"] = {{"from_hz", response.direct_bias->lowest},
                            {"to_hz", response.direct_bias->highest},

@@ -9,7 +9,7 @@
 #include "core/records/reason_told.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
-#include "pipeline/log_faults/usual_modulus.h"
+#include "pipeline/doubtful_estimates.h"
 #include "pipeline/run_summary.h"
 #include "workbench/history/kept_noise.h"
 #include "workbench/model/model_record.h"
@@ -165,7 +165,7 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
     for (EstimateStatement& statement : out.statements)
       if (statement.parameter == c.parameter)
         Confound(Tell("{}; {}", "{}; {}", c.reason, c.advice), statement);
-  out.unusual = UnusualParameters(KindOf(machine), latest);
+  out.unusual = DoubtsOf(machine, latest);
   MarkConfounded(out.confounded, latest);
   return out;
 }

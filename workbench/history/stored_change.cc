@@ -168,17 +168,26 @@ std::optional<StoredChange> ToldByAlarm(const HistoryPart& part, const std::vect
 }
 
 /// The error over the blocks, and what it may go with instead: the oil and what the strokes were driven at.
-std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks, const HistoryPart& part,
-                                       const CountedWords& counted) {
+struct ErrorSeries {
   BlockSeries series{kByModelError, {}, {}, {}};
-  std::vector<std::vector<double>> others(1 + kMaxConditions);
+  std::vector<std::vector<double>> others = std::vector<std::vector<double>>(1 + kMaxConditions);
+};
+
+ErrorSeries ErrorsOver(const std::vector<BlockEstimates>& blocks) {
+  ErrorSeries out;
   for (const BlockEstimates& block : blocks) {
     if (!std::isfinite(block.error)) continue;
-    series.values.push_back(std::log(std::max(1 + block.error, kLeastEnergy)));
-    series.blocks.push_back(&block);
-    others.back().push_back(block.oil_temperature);
-    for (std::size_t k = 0; k < block.conditions.size(); ++k) others[k].push_back(block.conditions[k]);
+    out.series.values.push_back(std::log(std::max(1 + block.error, kLeastEnergy)));
+    out.series.blocks.push_back(&block);
+    out.others.back().push_back(block.oil_temperature);
+    for (std::size_t k = 0; k < block.conditions.size(); ++k) out.others[k].push_back(block.conditions[k]);
   }
+  return out;
+}
+
+std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks, const HistoryPart& part,
+                                       const CountedWords& counted) {
+  const auto [series, others] = ErrorsOver(blocks);
   const auto growth = FindErrorGrowth(series.values, others);
   if (!growth) return std::nullopt;
   StoredChange found = ChangeAt(series, *growth, counted);
@@ -186,6 +195,25 @@ std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks
                     "zwischen {} {} und {}, wo das Modell mehr zu irren beginnt", counted.Many(),
                     found.before_end, found.since);
   if (!LeavesEnough(found, part)) return std::nullopt;
+  return found;
+}
+
+/// Whether strokes of `part` lie on both sides of a stretch.
+bool LiesWithin(const StoredChange& stretch, const HistoryPart& part) {
+  return stretch.before_end - part.first >= kFewestOnASide && part.last - stretch.since >= kFewestOnASide;
+}
+
+StoredChange StretchAt(const BlockSeries& series, const Stretched& stretch, const CountedWords& counted) {
+  StoredChange found;
+  found.before_end = series.blocks[stretch.first]->first;
+  found.since = series.blocks[stretch.last]->first;
+  found.by = series.parameter;
+  found.passes = true;
+  const Told what = series.parameter == kByModelError
+                        ? Tell("the model errs more", "das Modell mehr irrt")
+                        : Tell("{} is another", "{} anders ist", series.parameter);
+  found.text = Tell("from {} {} to {}, where {}", "von {} {} bis {}, wo {}", counted.One(), found.before_end,
+                    found.since - 1, what);
   return found;
 }
 
@@ -211,6 +239,43 @@ std::optional<StoredChange> EvidentInBlocks(const Database& database, const Hist
   }
   if (clearest) return clearest;
   return ErrorGrows(*blocks, part, CountedWordsOf(machine));
+}
+
+/// The stretch that a parameter, or else the error, shows most evidently.
+std::optional<StoredChange> StretchInBlocks(const Database& database, const HistoryPart& part,
+                                            const Machine& machine) {
+  const auto blocks = BlocksOf(database, part, machine);
+  if (!blocks) return std::nullopt;
+  const CountedWords counted = CountedWordsOf(machine);
+  std::optional<StoredChange> clearest;
+  double p = kEvident;
+  const auto look = [&](const BlockSeries& series, const std::optional<Stretched>& stretch) {
+    if (!stretch || !(stretch->p < p)) return;
+    StoredChange found = StretchAt(series, *stretch, counted);
+    if (!LiesWithin(found, part)) return;
+    p = stretch->p;
+    clearest = std::move(found);
+  };
+  for (const BlockSeries& series : SeriesOfParameters(*blocks))
+    look(series, FindStretch(series.values, {series.oil}));
+  if (clearest) return clearest;
+  const auto [series, others] = ErrorsOver(*blocks);
+  const auto stretch = FindStretch(series.values, others);
+  if (stretch && stretch->inside - stretch->outside > std::log(1 + kFloorExcess)) look(series, stretch);
+  return clearest;
+}
+
+void AddChangesOf(const Database& database, const HistoryPart& part, const Machine& machine,
+                  const std::vector<AlarmState>& alarms, std::vector<StoredChange>& changes) {
+  if (changes.size() >= kMostChanges) return;
+  const auto change = FindStoredChange(database, part, machine, alarms);
+  if (!change) {
+    if (auto stretch = StretchInBlocks(database, part, machine)) changes.push_back(std::move(*stretch));
+    return;
+  }
+  changes.push_back(*change);
+  AddChangesOf(database, {part.machine, part.id, part.first, change->before_end}, machine, alarms, changes);
+  AddChangesOf(database, {part.machine, part.id, change->since, part.last}, machine, alarms, changes);
 }
 
 }  // namespace
@@ -247,6 +312,39 @@ std::optional<BothEnds> FindWhatMovesOn(const std::vector<double>& values,
   const double p = ChanceOf(best, n);
   if (!(p < kEvident)) return std::nullopt;
   return BothEnds{CountAlike(values), n - CountAlike({values.rbegin(), values.rend()}), p};
+}
+
+std::optional<Stretched> FindStretch(const std::vector<double>& values,
+                                     const std::vector<std::vector<double>>& others) {
+  const std::size_t n = values.size();
+  if (n < 3 * kFewestOfALevel) return std::nullopt;
+  const double mean = MeanOf(values.data(), values.data() + n),
+               all = SquaresAboutMean(values.data(), values.data() + n);
+  double best = 0, places = 0;  // squares that the stretch explains
+  Stretched found;
+  for (std::size_t first = kFewestOfALevel; first + 2 * kFewestOfALevel <= n; ++first) {
+    double sum = 0;
+    for (std::size_t last = first + 1; last + kFewestOfALevel <= n; ++last) {
+      sum += values[last - 1] - mean;
+      if (last - first < kFewestOfALevel) continue;
+      ++places;
+      const auto inside = static_cast<double>(last - first), outside = static_cast<double>(n) - inside;
+      const double explained = sum * sum * (1 / inside + 1 / outside);
+      if (explained <= best) continue;
+      best = explained;
+      found = {first, last, mean + sum / inside, mean - sum / outside, 1};
+    }
+  }
+  std::vector<double> numbers(n);
+  std::iota(numbers.begin(), numbers.end(), 0.0);
+  const double left = std::max(0.0, all - best),
+               line = std::min(SquaresAboutLine(numbers, values), SquaresAboutLines(others, values));
+  if (!(left <= kBetterThanALine * line)) return std::nullopt;
+  const double degrees = static_cast<double>(n) - 2;
+  const double t = std::sqrt(best * degrees / std::max(left, 1e-300));
+  found.p = std::min(1.0, places * StudentTwoSided(t, degrees));
+  if (!(found.p < kEvident)) return std::nullopt;
+  return found;
 }
 
 std::optional<LevelChange> FindErrorGrowth(const std::vector<double>& errors,
@@ -296,7 +394,24 @@ std::optional<StoredChange> FindMovingOn(const Database& database, const History
   return clearest;
 }
 
+std::vector<StoredChange> FindStoredChanges(const Database& database, const HistoryPart& part,
+                                            const Machine& machine, const std::vector<AlarmState>& alarms) {
+  std::vector<StoredChange> changes;
+  AddChangesOf(database, part, machine, alarms, changes);
+  std::ranges::sort(changes, {}, &StoredChange::since);
+  if (changes.empty())
+    if (auto moving = FindMovingOn(database, part, machine)) changes.push_back(std::move(*moving));
+  return changes;
+}
+
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {
+  if (change.passes)
+    return Tell(
+        "these {} hold a stretch that differs from those on both sides of it, {}: one model for all of them errs; look at "
+        "it with --from {} --to {}",
+        "in diesen {} liegt eine Strecke, die sich von denen auf ihren beiden Seiten unterscheidet, {}: ein Modell für alle "
+        "irrt; sie für sich zeigt --from {} --to {}",
+        counted.SeveralDative(), change.text, change.before_end, change.since);
   return Tell(
       "these {} hold a change {}: one model for both sides of it errs on either; look at "
       "each with --to {} and --from {}",

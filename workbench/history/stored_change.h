@@ -17,6 +17,8 @@ struct StoredChange {
   std::int64_t before_end = 0;  ///< strokes from here to `since` may lie on either side
   std::string by;               ///< what shows it: id of an alarm, a parameter, or kByModelError
   Told text;                    ///< "since stroke 481, told by the alarm internal_leakage"
+  bool passes =
+      false;  ///< strokes from `before_end` to `since` differ, those on both sides of them are alike
 };
 
 /// The alarm speaks of a change of the machine that stands: not of signals, limits or the service itself.
@@ -38,7 +40,14 @@ std::optional<StoredChange> FindStoredChange(const Database& database, const His
 std::optional<StoredChange> FindMovingOn(const Database& database, const HistoryPart& part,
                                          const Machine& machine);
 
-/// What speaks against taking the strokes on both sides of a change as one.
+/// All changes inside `part` in their order, kMostChanges at most: that of FindStoredChange and those on either side of it; of
+/// a piece without one the stretch that differs from both of its sides (FindStretch). Where there is none of either,
+/// FindMovingOn.
+inline constexpr std::size_t kMostChanges = 6;
+std::vector<StoredChange> FindStoredChanges(const Database& database, const HistoryPart& part,
+                                            const Machine& machine, const std::vector<AlarmState>& alarms);
+
+/// What speaks against taking the strokes on both sides of a change, or those of a stretch and the others, as one.
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted);
 
 /// The alarms the journal beside the database knows of a machine; none if there is no journal, or it cannot
@@ -66,6 +75,16 @@ struct BothEnds {
 /// numbers may describe it as well. nullopt below 8 values, or where a line over one of `others` does.
 std::optional<BothEnds> FindWhatMovesOn(const std::vector<double>& values,
                                         const std::vector<std::vector<double>>& others);
+
+/// A stretch of a series that differs from what lies on both sides of it, which is alike: first <= value < last.
+struct Stretched {
+  std::size_t first = 0, last = 0;
+  double inside = 0, outside = 0;  ///< means
+  double p = 1;                    ///< of none, over all that it could have been
+};
+/// The stretch that describes `values` best, evident as a LevelChange is (circular binary segmentation, Olshen et al. 2004).
+std::optional<Stretched> FindStretch(const std::vector<double>& values,
+                                     const std::vector<std::vector<double>>& others);
 
 /// The place from which on `errors` (logarithms of error and noise energy over noise energy) are larger by more than
 /// estimation/floor_trust.h lets a model err, if that is evident: p below 1e-4, successive values taken as correlated,

@@ -61,6 +61,30 @@ TEST(WhatMovesOn, IsFoundInADriftAndInSeveralStepsAndNotInNoiseNorWithTheOil) {
     EXPECT_FALSE(FindWhatMovesOn(Noise(40, 100 + seed), {})) << seed;
 }
 
+TEST(Stretch, IsFoundWhereValuesComeBack) {
+  std::vector<double> y = Noise(40, 1);
+  for (std::size_t i = 15; i < 22; ++i) y[i] += 6;
+  EXPECT_FALSE(FindLevelChange(y, {})) << "no place divides them";
+  const auto stretch = FindStretch(y, {});
+  ASSERT_TRUE(stretch.has_value());
+  EXPECT_EQ(stretch->first, 15u);
+  EXPECT_EQ(stretch->last, 22u);
+  EXPECT_NEAR(stretch->inside - stretch->outside, 6, 1.5);
+  EXPECT_FALSE(FindStretch(y, {y})) << "the oil was as warm";
+}
+
+TEST(Stretch, IsNotFoundInNoiseInADriftOrInOneStep) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed)
+    EXPECT_FALSE(FindStretch(Noise(40, 100 + seed), {})) << seed;
+  std::vector<double> drift = Noise(40, 2), step = Noise(40, 3);
+  for (std::size_t i = 0; i < drift.size(); ++i) {
+    drift[i] += 0.5 * static_cast<double>(i);
+    step[i] += i < 20 ? 0 : 6;
+  }
+  EXPECT_FALSE(FindStretch(drift, {}));
+  EXPECT_FALSE(FindStretch(step, {}));
+}
+
 /// Logarithms of error energy over blocks: `grows` from block 18 on, ever further.
 std::vector<double> Errors(std::uint64_t seed, double grows) {
   std::vector<double> errors = Noise(34, seed);

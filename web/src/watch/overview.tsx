@@ -2,7 +2,7 @@ import { useContext, useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { titleOf } from "../effect_titles";
 import { Plot, pageColor } from "../plot";
-import { Told, useTold } from "../told";
+import { Told, ToldList, useTold } from "../told";
 import { amount, inChosen, unitName, grouped, withUnit } from "../units";
 import { useUrl } from "../url_state";
 import { CountedIn, LanguageContext, useWords } from "../words";
@@ -88,6 +88,7 @@ function Parameters({ machine }: { machine: WatchedMachine }) {
           ))}
         </tbody>
       </table>
+      {machine.warnings.length > 0 && <div class="verdict bad"><strong>{say("checkHints")}</strong><ul><ToldList of={machine.warnings} german={machine.german?.warnings} /></ul></div>}
       {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("besideFound")}</small></p>}
     </>
   );

@@ -17,6 +17,8 @@ export interface WatchedParameter {
 export interface WatchedMachine {
   machine: string; counted: "stroke" | "episode"; health: Health; strokes: number; runs: number; last_s: MaybeNumber; dated: boolean; oil_temperature_K: MaybeNumber;
   model_version: number; effects: string[]; reference_version: number; judged_to: number; alarms: number; parameters: WatchedParameter[];
+  /** What makes the newest values doubtful. */
+  warnings: string[]; german?: { warnings: string[] };
 }
 export interface Overview {
   database: string; service: boolean; journal: boolean; user: string; problem: Failure | null;
