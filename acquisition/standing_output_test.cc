@@ -10,7 +10,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPeriod = 0.001;
+constexpr double kRowPeriod = 0.001;
 
 Machine TestCylinder() {
   Machine machine;
@@ -32,7 +32,7 @@ SampleBlock Rows(int rows, double later = 1) {
   block.Resize(3, static_cast<std::size_t>(rows));
   for (int k = 0; k < rows; ++k) {
     const auto row = static_cast<std::size_t>(k);
-    const double t = k * kPeriod;
+    const double t = k * kRowPeriod;
     const double set = kSize * (std::sin(140 * t) + std::sin(191 * t + 1)) * (k < 2000 ? 1 : later);
     block.time[row] = t;
     block.signal[0][row] = set;
@@ -43,7 +43,7 @@ SampleBlock Rows(int rows, double later = 1) {
 }
 
 std::ptrdiff_t Stuck(const SampleBlock& rows, std::size_t block_rows = 400) {
-  QualityMonitor monitor(TestCylinder(), kPeriod);
+  QualityMonitor monitor(TestCylinder(), kRowPeriod);
   std::ptrdiff_t stuck = 0;
   const auto count = [&](const SampleBlock& block) {
     stuck += std::ranges::count_if(block.quality[2], [](Quality q) { return (q & quality::kStuck) != 0; });
