@@ -9,7 +9,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsToStand = 20;  ///< over which a reading must repeat, however short `stuck_time`
-constexpr std::size_t kRowsBack = 1000;  ///< that turn out to stand afterwards
+constexpr std::size_t kRowsBack = 1000;   ///< that turn out to stand afterwards
 /// Smallest steps of the output that its set point goes through: what is faster than the loop it follows by a share.
 constexpr double kStepsOfOutput = 10;
 

@@ -47,6 +47,7 @@ struct LoopChange {
 /// What is measured and fitted: estimation/closed_loop/.
 struct ClosedLoopPlant {
   std::string_view set_point, input, output;  ///< signals; the input is what the controller gives out
+  std::string_view input_unit;                ///< SI
   /// Output over input at the complex frequency s, 1/s, without delay. `parameters` SI, `geometry` as MachineKind::geometry
   /// lists it.
   std::complex<double> (*response)(std::complex<double> s, std::span<const double> parameters,

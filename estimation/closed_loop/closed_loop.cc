@@ -142,21 +142,21 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
 void TakeNonlinear(const ClosedLoopPlant& plant, LoopResponse& response) {
   if (response.dead_band)
     response.warnings.push_back(Tell(
-        "small inputs move {} by a smaller share than large ones, as with a dead band of {:.2g} A of {}: overlap of the valve, "
+        "small inputs move {} by a smaller share than large ones, as with a dead band of {:.2g} {} of {}: overlap of the valve, "
         "or friction that does not grow with speed. Gain and damping then hold at this excitation alone; measure at half and "
         "at twice of it, friction changes the damping more than the gain",
-        "kleine Eingänge bewegen {} um einen kleineren Anteil als große, wie bei einem Totband von {:.2g} A von {}: "
+        "kleine Eingänge bewegen {} um einen kleineren Anteil als große, wie bei einem Totband von {:.2g} {} von {}: "
         "Überdeckung des Ventils, oder Reibung, die nicht mit der Geschwindigkeit wächst. Verstärkung und Dämpfung gelten "
         "dann nur bei dieser Anregung; bei der halben und der doppelten messen, Reibung ändert die Dämpfung mehr als die "
         "Verstärkung",
-        plant.output, *response.dead_band, plant.input));
+        plant.output, *response.dead_band, plant.input_unit, plant.input));
   if (response.readings_end)
     response.warnings.push_back(Tell(
-        "{} never reads more than {:.3g} A, and often exactly that: where the controller ends there all is well; where the "
+        "{} never reads more than {:.3g} {}, and often exactly that: where the controller ends there all is well; where the "
         "logger or the amplifier's monitor does, the valve gets more and the gain comes out too high. Excite less",
-        "{} zeigt nie mehr als {:.3g} A und oft genau das: endet der Regler dort, ist alles gut; endet dort der Logger oder "
+        "{} zeigt nie mehr als {:.3g} {} und oft genau das: endet der Regler dort, ist alles gut; endet dort der Logger oder "
         "der Messausgang des Verstärkers, bekommt das Ventil mehr, und die Verstärkung kommt zu groß heraus. Weniger anregen",
-        plant.input, *response.readings_end));
+        plant.input, *response.readings_end, plant.input_unit));
 }
 
 }  // namespace

@@ -29,7 +29,11 @@ constexpr double kSameValley = 1e-3;  // relative difference of chi^2 of two end
 // Chance of a smaller chi^2 from noise alone, from which intervals are widened.
 constexpr double kLikelyMisfit = 0.999;
 constexpr double kMeanSquareOfHann = 3.0 / 8;
-constexpr double kSlopeStep = 1e-5;  // of a search coordinate: its slopes are good to 1e-9
+constexpr double kSlopeStep = 1e-5;    // of a search coordinate: its slopes are good to 1e-9
+constexpr double kCoherent = 0.8;      // coherence from which on the output follows the set point, ...
+constexpr double kFewCoherent = 0.05;  // ... at so few of the frequencies: it hardly does
+constexpr double kHighestShare = 0.9;  // share of the highest frequency, beyond which the highest begin
+constexpr double kNearlyAll = 0.35;    // of the sampling rate: what rows can show hardly reaches further
 
 /// One frequency as the fit sees it.
 struct LoopTarget {
@@ -338,12 +342,10 @@ std::vector<LoopTarget> TargetsOf(const LoopSpectra& spectra, const std::vector<
 /// That the parameters stay open, why, and what helps.
 Told UndeterminedText(const LoopSpectra& spectra, const std::vector<LoopTarget>& targets,
                       const TransferFit& fit) {
-  constexpr double kCoherent = 0.8, kFew = 0.05;       // share of the frequencies
-  constexpr double kNearlyAll = 0.35, kHighest = 0.9;  // of the sampling rate; of the highest frequency
   std::size_t coherent = 0, high = 0, high_coherent = 0;
   double up_to = 0;
   for (const LoopTarget& t : targets) {
-    const bool is_high = t.frequency > kHighest * fit.highest;
+    const bool is_high = t.frequency > kHighestShare * fit.highest;
     high += is_high;
     if (spectra.bins[t.bin].CoherenceOfOutput() < kCoherent) continue;
     ++coherent;
@@ -353,7 +355,7 @@ Told UndeterminedText(const LoopSpectra& spectra, const std::vector<LoopTarget>&
   const Told what =
       Tell("the frequencies from {:.4g} to {:.4g} Hz do not determine the parameters",
            "die Frequenzen von {:.4g} bis {:.4g} Hz bestimmen die Parameter nicht", fit.lowest, fit.highest);
-  if (static_cast<double>(coherent) < kFew * static_cast<double>(targets.size()))
+  if (static_cast<double>(coherent) < kFewCoherent * static_cast<double>(targets.size()))
     return Tell(
         "{}: the output follows the set point at {} of {} of them alone, noise covers it at the others. Excite the set point more "
         "strongly, or record for longer",

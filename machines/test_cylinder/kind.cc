@@ -174,6 +174,7 @@ const ClosedLoopPlant kTestCylinderPlant = {
     .set_point = "z_set",
     .input = "I_v",
     .output = "z",
+    .input_unit = "A",
     .response = TestCylinderResponse,
     .share_out = ShareOutPoles,
     .ways = 3,

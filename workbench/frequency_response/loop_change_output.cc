@@ -154,8 +154,8 @@ std::string LoopChangeText(const LoopChangeResult& result) {
   text += ParameterTable(comparison, KindOf(result.machine)) + "\n";
   const LoopChange& limit = comparison.plant->limit;
   if (comparison.limit_appeared)
-    text += fmt::format("named: {}\n  {}: up to {:.3g} A\n  {}\n", limit.id, limit.quantity,
-                        *comparison.after.input_limit, limit.sentence);
+    text += fmt::format("named: {}\n  {}: up to {:.3g} {}\n  {}\n", limit.id, limit.quantity,
+                        *comparison.after.input_limit, comparison.plant->input_unit, limit.sentence);
   if (comparison.limit_went) text += fmt::format("{}: no longer limited\n", limit.quantity);
   const bool only_limit = comparison.limit_appeared && comparison.set.changes.empty() &&
                           comparison.verdict == LoopComparison::Verdict::kNamed;

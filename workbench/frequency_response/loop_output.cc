@@ -62,9 +62,9 @@ std::vector<Told> WarningsOf(const LoopLog& measured, const Machine& machine) {
   std::vector<Told> warnings = response.warnings;
   if (response.input_limit)
     warnings.push_back(
-        Tell("{} beyond {:.3g} A does not reach the plant: {}; the rest is measured with it cut off there",
-             "{} über {:.3g} A erreicht die Strecke nicht: {}; der Rest ist damit abgeschnitten gemessen",
-             plant.input, *response.input_limit, plant.limit.sentence));
+        Tell("{} beyond {:.3g} {} does not reach the plant: {}; the rest is measured with it cut off there",
+             "{} über {:.3g} {} erreicht die Strecke nicht: {}; der Rest ist damit abgeschnitten gemessen",
+             plant.input, *response.input_limit, plant.input_unit, plant.limit.sentence));
   for (const Told& text : RowWarnings(measured.log)) warnings.push_back(text);
   for (const Told& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;

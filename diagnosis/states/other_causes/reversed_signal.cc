@@ -134,7 +134,6 @@ bool OutsideOfRanges(const LinearFit& fit, const Machine& machine) {
 
 Told BalancesAgainst(const StateModel& model, const LinearForm& form, std::span<const Episode> episodes,
                      const ReversedSignalOptions& options) {
-  constexpr double kNoWorse = 1.2;  // of what is left of the other balances
   LinearFitOptions plain;
   plain.noise_pairs = 0;
   const LinearFit as_it_is = FitLinearForm(form, model.machine, episodes, plain);
@@ -151,7 +150,7 @@ Told BalancesAgainst(const StateModel& model, const LinearForm& form, std::span<
       best = share;
       where = e;
     }
-    if (best > options.balance || worst > kNoWorse) continue;
+    if (best > options.balance || worst > options.other_balances) continue;
     return ReversedText(
         model.machine, signal,
         Tell("the balance \"{}\" leaves {:.0f} % of that", "lässt die Bilanz „{}“ {:.0f} % davon übrig",

@@ -13,18 +13,19 @@ namespace hydroscope {
 struct ReversedSignalOptions {
   int least_window = 16;   ///< rows of the shortest windows that tied signals are compared over
   int least_windows = 20;  ///< so many at least: chance hardly makes them go together as much as `together`
-  double together =
-      0.9;            ///< correlation over windows beyond which no noise hides which way round signals count
+  /// Correlation over windows beyond which no noise hides which way round signals count.
+  double together = 0.9;
   int rows = 400;     ///< that a model is fitted to, from where its outputs move on
   double moves = 10;  ///< of an output's white noise: so far it is from where it began
   /// Rms error over the white noise of the outputs as the log is, below which no sign is tried, ...
   double astray = 2.5;
   double follows = 3;  ///< ... with one signal reversed at most so much, ...
   double left = 0.15;  ///< ... and of what the log as it is has beyond 1 at most this share
-  double balance =
-      0.3;  ///< of what the log as it is leaves of a balance: with one signal reversed at most so much of one of them
-  double least_side =
-      0.05;  ///< of its largest reading, that a signal reaches on the other side of 0 to be tried at all
+  /// Of what the log as it is leaves of a balance: with one signal reversed at most so much of one of them, ...
+  double balance = 0.3;
+  double other_balances = 1.2;  ///< ... and of none of the others more than so much
+  /// Of its largest reading, that a signal reaches on the other side of 0 to be tried at all.
+  double least_side = 0.05;
 };
 
 /// Two outputs that time alone ties, whatever the parameters: `rate` is the `order`-th derivative of `of`, signals of the machine.
