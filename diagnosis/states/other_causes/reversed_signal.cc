@@ -193,16 +193,14 @@ Told RowsAgainst(const std::shared_ptr<const StateModel>& model, std::span<const
   if (!rows) return {};
   double as_it_is = ErrorOfRows(model, *rows, white, 0);
   if (as_it_is < options.astray) return {};
-  bool from_afar = false;
   for (const int signal : SignalsToTry(*model, episodes, options)) {
     const double with = ErrorOfRows(model, Reversed(std::span(&*rows, 1), signal).front(), white, 0);
     const auto tells = [&] { return with <= options.follows && with - 1 <= options.left * (as_it_is - 1); };
     if (!tells()) continue;
-    if (!from_afar) {  // a start that leads the log as it is astray says nothing of its signs
-      from_afar = true;
-      as_it_is = std::min(as_it_is, ErrorOfRows(model, *rows, white, StateFitOptions().starts));
-      if (!tells()) continue;
-    }
+    // A start that leads the log as it is astray says nothing of its signs.
+    as_it_is = std::min(as_it_is, ErrorOfRows(model, *rows, white, StateFitOptions().starts));
+    if (as_it_is < options.astray) return {};
+    if (!tells()) continue;
     return ReversedText(
         model->machine, signal,
         Tell("the model errs by {:.2g} times the noise over the first {} rows",

@@ -120,12 +120,12 @@ hold = "smooth"
 u = { column = "u", unit = "V" }
 y = { column = "y", unit = "V" }
 [states]
-x = { ddt = "-k*x + a^3*u", initial = "estimate" }
+x = { ddt = "-k*x + cos(a)*u", initial = "estimate" }
 [outputs]
 y = "x"
 [parameters]
 k = { start = 3, min = 0.1, max = 30 }
-a = { start = -1, min = -2, max = 2 }
+a = { start = 3.2, min = 0, max = 4.5 }
 )toml",
                                     "lag");
   ASSERT_TRUE(machine) << machine.error().text;
