@@ -41,8 +41,7 @@ std::optional<StoredChange> FindMovingOn(const Database& database, const History
                                          const Machine& machine);
 
 /// All changes inside `part` in their order, kMostChanges at most: that of FindStoredChange and those on either side of it; of
-/// a piece without one the stretch that differs from both of its sides (FindStretch). Where there is none of either,
-/// FindMovingOn.
+/// a piece without one the stretch that differs from both of its sides (FindStretch). Without any of these, FindMovingOn.
 inline constexpr std::size_t kMostChanges = 6;
 std::vector<StoredChange> FindStoredChanges(const Database& database, const HistoryPart& part,
                                             const Machine& machine, const std::vector<AlarmState>& alarms);
