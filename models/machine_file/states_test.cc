@@ -164,6 +164,12 @@ TEST(StatesFile, AnInitialValueOutsideItsLimitsIsRefused) {
       HasSubstr("a limit below max"));
 }
 
+TEST(StatesFile, AKnownValueIsNoParameterAndItIsSaidWhereItStands) {
+  EXPECT_THAT(RefusalOf(kHead + kStates + "[outputs]\nlevel_2 = \"h_2\"\n[parameters]\nk_1 = { value = 1e-4 }\n"),
+              AllOf(HasSubstr("[parameters.k_1] value"), HasSubstr("what is known stands in [geometry]"),
+                    Not(HasSubstr("start is missing"))));
+}
+
 TEST(StatesFile, AParameterThatNothingReadsIsNamed) {
   const auto machine = ParseMachine(kHead + kStates + kRest + "\n", "tanks.toml");
   ASSERT_TRUE(machine);
