@@ -14,6 +14,10 @@ namespace {
 
 constexpr std::int64_t kChangesToJudge = 100;
 constexpr double kReversalsOfNoise = 0.3;
+/// Share of third differences of the other sign than the one before: 0.77 of white noise (1/2 + asin(3/4)/pi), none of smooth motion.
+constexpr double kThirdReversalsOfNoise = 0.6;
+/// Median third difference over the least step of the channel: 1 of what rounding alone makes, 6 of noise of two steps.
+constexpr double kOverLeastStep = 6.0;
 constexpr double kLongestMeanRun = 1.5;
 constexpr double kRunsToBeStuck = 25.0;
 // Readings that a logger held: at the resting level runs are likelier than on average, so where they are not rare at all
@@ -43,6 +47,8 @@ struct Counts {
   std::int64_t equal = 0;                           ///< readings equal to the one before
   std::int64_t changes = 0;                         ///< readings different from the one before
   std::int64_t reversals = 0;                       ///< changes of direction
+  std::int64_t third_reversals = 0;                 ///< third differences of the other sign than the next
+  double least_square = kInfinity;                  ///< of the steps other than zero
   std::int64_t outside = 0;                         ///< readings beyond the limits
   std::int64_t near_high = 0, near_low = 0;         ///< readings beyond Thresholds::near_high, near_low
   double highest = -kInfinity, lowest = kInfinity;  ///< readings
@@ -63,7 +69,7 @@ inline void Load(const double* x, std::size_t rows, Doubles& four) {
 
 inline std::int64_t Sum(const Integers& four) { return (four[0] + four[1]) + (four[2] + four[3]); }
 
-/// Looks from two rows before to one row after each of `rows` rows. NaN makes every comparison false, so
+/// Looks from two rows before to two rows after each of `rows` rows. NaN makes every comparison false, so
 /// missing values count nowhere.
 HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds& thresholds) {
   const Doubles square_of_scale = Doubles{} + thresholds.scale * thresholds.scale;
@@ -72,22 +78,29 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
   Integers different{}, above{}, candidates{}, equal{}, changes{}, reversals{}, outside{};
   const Doubles from_high = zero + thresholds.near_high, from_low = zero + thresholds.near_low;
   Doubles highest = zero - kInfinity, lowest = zero + kInfinity;
-  Integers near_high{}, near_low{};
+  Integers near_high{}, near_low{}, third_reversals{};
+  Doubles least_square = zero + kInfinity;
   const auto add = [&](const double* from, std::size_t count) {
-    Doubles second_before, before, at, after;
+    Doubles second_before, before, at, after, second_after;
     Load(from - 2, count, second_before);
     Load(from - 1, count, before);
     Load(from, count, at);
     Load(from + 1, count, after);
+    Load(from + 2, count, second_after);
     const Doubles step = at - before;
+    const Doubles square_of_step = step * step;
     const Doubles third = (after - second_before) - 3.0 * step;
+    const Doubles next_third = (second_after - before) - 3.0 * (after - at);
     const Doubles bend = (after - at) - step;
     // A comparison gives -1 where it is true. Squares spare the absolute values.
     different -= third * third > zero;
     above -= third * third > square_of_scale;
     candidates -= bend * bend > square_of_far;
     equal -= step == zero;
-    changes -= step * step > zero;
+    changes -= square_of_step > zero;
+    third_reversals -= third * next_third < 0;
+    least_square =
+        ((square_of_step > zero) & (square_of_step < least_square)) ? square_of_step : least_square;
     reversals -= step * (before - second_before) < zero;
     outside -= (at < low) | (at > high);
     highest = at > highest ? at : highest;
@@ -104,6 +117,8 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
           Sum(equal),
           Sum(changes),
           Sum(reversals),
+          Sum(third_reversals),
+          std::min(std::min(least_square[0], least_square[1]), std::min(least_square[2], least_square[3])),
           Sum(outside),
           Sum(near_high),
           Sum(near_low),
@@ -280,6 +295,9 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     track.readings += counts.equal + counts.changes;
     track.changes += counts.changes;
     track.reversals += counts.reversals;
+    track.thirds += counts.different;
+    track.third_reversals += counts.third_reversals;
+    track.least_step = std::min(track.least_step, std::sqrt(counts.least_square));
     track.different += counts.different;
     track.above += counts.above;
     if (counts.outside > 0) FlagRange(x, piece, track, flags);
@@ -406,21 +424,29 @@ void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t
   }
 }
 
+/// Whether noise scatters readings by more than their resolution does, however much the signal moves from row to row: at rest it
+/// would scatter them too.
+bool QualityMonitor::NoiseShowsUnderMotion(const Track& track) {
+  return track.scale >= kOverLeastStep * track.least_step &&
+         static_cast<double>(track.third_reversals) >=
+             kThirdReversalsOfNoise * static_cast<double>(track.thirds);
+}
+
 /// Follows the median: half of the third differences should lie above it. Steps are bounded, so a transient
 /// moves it little; a frame almost entirely above it means that the scale is far too small.
 void QualityMonitor::BeginFrame(Track& track) {
   const auto changes = static_cast<double>(track.changes);
   const double mean_run = static_cast<double>(track.readings) / changes;
-  const bool noisy = track.changes >= kChangesToJudge && mean_run <= kLongestMeanRun &&
-                     static_cast<double>(track.reversals) >= kReversalsOfNoise * changes;
+  const bool noisy = static_cast<double>(track.reversals) >= kReversalsOfNoise * changes;
   track.stuck_limit = 0;
-  if (noisy && track.stuck_rows > 0)
+  if (track.changes >= kChangesToJudge && mean_run <= kLongestMeanRun &&
+      (noisy || NoiseShowsUnderMotion(track)) && track.stuck_rows > 0)
     track.stuck_limit = std::max(track.stuck_rows, static_cast<std::int64_t>(kRunsToBeStuck * mean_run));
   track.changes_often =
       track.changes >= kChangesToJudge && mean_run <= kLongestMeanRunOfReadings && track.can_saturate;
   track.held_limit = track.stuck_limit;
   const double repeats = std::max(1.0, static_cast<double>(track.repeated_runs)) / changes;
-  if (track.stuck_limit > 0 && track.can_saturate && repeats <= kLargestShareOfRuns)
+  if (noisy && track.stuck_limit > 0 && track.can_saturate && repeats <= kLargestShareOfRuns)
     track.held_limit = std::min(
         track.stuck_limit,
         std::max(kShortestHold - 1, static_cast<std::int64_t>(std::log(kRareRun) / std::log(repeats))));

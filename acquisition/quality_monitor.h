@@ -39,7 +39,8 @@ struct ChannelQuality {
 ///                channel whose noise its resolution does not hide: at least 100 changes
 ///                of reading seen, two in three readings different from the one before, and three in ten
 ///                changes back in the direction they came from (white noise: two in three; smooth motion:
-///                none). A command that rests at one value between noisy phases needs `stuck_time = 0`.
+///                none), or under faster motion noise of two steps of its resolution and more, whose third
+///                differences change their sign from row to row. A command that rests at one value between noisy phases needs `stuck_time = 0`.
 ///                Where next to no reading repeats the one before, also a run of at least four that chance makes once in
 ///                ten million readings: what a logger holds where it got none.
 ///                Also a run of readings between a step in and a step out again that are as sharp as a spike's, on a
@@ -117,6 +118,9 @@ class QualityMonitor {
     unsigned steps = 0;  ///< whether a sharp step led to each of the last rows, newest lowest
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
+    std::int64_t thirds = 0,
+                 third_reversals = 0;  ///< third differences other than zero; of the other sign than the next
+    double least_step = std::numeric_limits<double>::infinity();  ///< of readings that differ
     std::int64_t repeated_runs = 0;  ///< runs of at least two identical readings, among `changes` runs
     std::int64_t stuck_limit = 0;    ///< readings; 0: the channel cannot be judged
     std::int64_t held_limit = 0;     ///< as stuck_limit, by the chance of such a run; no more than that
@@ -149,6 +153,7 @@ class QualityMonitor {
   static double Sigma(const Track& track);
   static double LeastStep(const Track& track);
   static double LeastSpike(const Track& track);
+  static bool NoiseShowsUnderMotion(const Track& track);
   void BeginFrame(Track& track);
   void CountFlags(const SampleBlock& block, std::size_t rows);
 

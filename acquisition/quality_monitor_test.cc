@@ -189,6 +189,29 @@ TEST_F(QualityMonitorTest, FlagsAStuckSensorFromItsFirstReadingOn) {
   EXPECT_EQ(flags[999 + 201], quality::kGood);
 }
 
+TEST_F(QualityMonitorTest, FlagsAStuckSensorWhoseNoiseHidesInItsMotion) {
+  std::normal_distribution<double> noise(0, 0.02);
+  for (int i = 0; i < 3000; ++i) readings_.push_back(100 * std::sin(0.05 * i) + noise(random_));
+  std::fill_n(readings_.begin() + 1500, 300, readings_[1499]);
+  const auto flags = Run();
+  EXPECT_EQ(Count(flags, quality::kStuck), 301);
+  EXPECT_EQ(flags[1498], quality::kGood);
+  EXPECT_EQ(flags[1499], quality::kStuck);
+  EXPECT_EQ(Run(7), flags);
+}
+
+TEST_F(QualityMonitorTest, TakesARestWithoutNoiseForNoStuckSensor) {
+  for (const double per_row : {0.005, 0.05})  // of the slower one rounding hides third differences
+    for (const double resolution : {0.0, 1e-6, 1e-4}) {
+      readings_.clear();
+      for (int i = 0; i < 3000; ++i) {
+        const double x = std::sin(per_row * std::min(i, 1500));
+        readings_.push_back(resolution > 0 ? resolution * std::round(x / resolution) : x);
+      }
+      EXPECT_EQ(Count(Run(), quality::kStuck), 0) << per_row << " " << resolution;
+    }
+}
+
 TEST_F(QualityMonitorTest, FlagsAGapThatALoggerFilledWithAConstant) {
   for (const double resolution : {0.0, 2.0})  // coarser than the noise: readings repeat
     for (const int rows : {2, 5, 20}) {

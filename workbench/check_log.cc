@@ -4,6 +4,7 @@
 
 #include "core/constants.h"
 #include "core/contains.h"
+#include "host/work_line.h"
 #include "models/closed_loop.h"
 #include "models/doubled_signals.h"
 #include "models/machine_kind.h"
@@ -136,7 +137,8 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
   }
   check.driving.strokes = static_cast<int>(episodes->episodes.size());
   check.pass.summary.gated = check.pass.summary.used = episodes->used;
-  const auto fit = FitEpisodes(std::move(*episodes));
+  WorkLine line("check");
+  const auto fit = FitEpisodes(std::move(*episodes), line.Listener());
   if (!fit) {
     check.no_fit = fit.error().text;
     return;

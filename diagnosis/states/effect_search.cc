@@ -1,11 +1,16 @@
 #include "diagnosis/states/effect_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 
 #include "core/contains.h"
+#include "core/in_parallel.h"
 #include "core/told_error.h"
 #include "diagnosis/states/found_sets.h"
 #include "diagnosis/states/law_terms.h"
@@ -42,6 +47,9 @@ class EffectSearch {
   StateFit FitFromAllStarts(const std::shared_ptr<const StateModel>& model) const {
     StateFitOptions best_alone = options_.fit;
     best_alone.until_white = true;
+    best_alone.tells_start = [this](int start, std::size_t starts) {
+      Tell(fmt::format("fits the model as it is, start {} of at most {}", start, starts));
+    };
     if (found_.starts_on.size() == episodes_.size()) return FitStates(model, episodes_, best_alone);
     StateFit few = FitStates(model, Chosen(episodes_, found_.starts_on), best_alone);
     if (!few.solved()) return few;
@@ -53,6 +61,26 @@ class EffectSearch {
     return all;
   }
   StateRemainder Left(const StateFit& fit) const { return found_.Left(fit); }
+  void Tell(const std::string& what) const {
+    if (options_.tells) options_.tells(what);
+  }
+
+  template <class Items, class Wanted>
+  static auto Some(const Items& items, const Wanted& wanted) {
+    std::vector<std::reference_wrapper<const std::ranges::range_value_t<Items>>> some;
+    for (const auto& item : items)
+      if (wanted(item)) some.emplace_back(item);
+    return some;
+  }
+  /// What `fit` gives for each of some sets, in their order; on several threads. `how` is told.
+  template <class Some, class Fit>
+  auto Each(const char* how, const Some& some, const Fit& fit) const {
+    std::atomic<int> begun = 0;
+    return InParallel(options_.threads, some.size(), [&](std::size_t k) {
+      Tell(fmt::format("{}: {} of {}", how, ++begun, some.size()));
+      return fit(some[k]);
+    });
+  }
 
   void Search() {
     levels_.push_back({out_.base});
@@ -69,7 +97,11 @@ class EffectSearch {
 
   /// Sets with one effect more than the best ones so far, best by what is foreseen first.
   std::vector<StateContender> Contenders(bool single) {
-    std::vector<StateContender> contenders;
+    struct Extended {
+      const StateCandidate& near;
+      std::vector<std::string> added;
+    };
+    std::vector<Extended> extended;
     std::set<std::vector<std::string>> tried;
     const std::vector<StateCandidate>& before = levels_.back();
     for (std::size_t b = 0; b < before.size() && static_cast<int>(b) < options_.beam; ++b)
@@ -79,13 +111,16 @@ class EffectSearch {
         added.push_back(id);
         std::vector<std::string> sorted = added;
         std::sort(sorted.begin(), sorted.end());
-        if (!tried.insert(sorted).second) continue;
-        auto contender = fits_->Screened(added, before[b]);
-        if (contender)
-          contenders.push_back(std::move(*contender));
-        else if (single)
-          out_.warnings.push_back(CannotBeTried(id, ToldOf(contender.error())));
+        if (tried.insert(sorted).second) extended.push_back({before[b], std::move(added)});
       }
+    auto screened = Each("effects by linearisation", extended,
+                         [this](const Extended& e) { return fits_->Screened(e.added, e.near); });
+    std::vector<StateContender> contenders;
+    for (std::size_t k = 0; k < screened.size(); ++k)
+      if (screened[k])
+        contenders.push_back(std::move(*screened[k]));
+      else if (single)
+        out_.warnings.push_back(CannotBeTried(extended[k].added.back(), ToldOf(screened[k].error())));
     std::stable_sort(contenders.begin(), contenders.end(),
                      [](const auto& a, const auto& b) { return a.foreseen < b.foreseen; });
     return contenders;
@@ -109,19 +144,27 @@ class EffectSearch {
     const std::span<const StateContender> contenders(
         all.data(), std::min(all.size(), static_cast<std::size_t>(options_.contenders)));
     const double worth = WorthAFit(all);
+    const auto promises = [&](const StateContender& c) { return out_.final.held_out - c.foreseen >= worth; };
     std::vector<StateCandidate> sets;
-    for (const StateContender& c : contenders)
-      if (out_.final.held_out - c.foreseen >= worth) Take(sets, fits_->Fitted(c));
+    TakeAll(sets, Each("effects that promise most", Some(contenders, promises),
+                       [this](const StateContender& c) { return fits_->Fitted(c); }));
     Sort(sets);
     StateRemainder left = LeftBy(sets);
     if (LooksOn(sets, left)) {
       const double best = sets.empty() ? INFINITY : sets.front().held_out;
-      for (const StateContender& c : contenders) {
-        if (out_.final.held_out - c.foreseen < worth) Take(sets, fits_->Fitted(c));
-        if (!single && !out_.base_left.structured) continue;
-        const auto known = std::ranges::find(sets, c.added, &StateCandidate::added);
-        Take(sets, fits_->FittedFromSegments(c, known == sets.end() ? nullptr : &*known));
-      }
+      for (std::vector<StateCandidate>& fitted :
+           Each("all effects", contenders, [&](const StateContender& c) {
+             std::vector<StateCandidate> out;
+             if (!promises(c)) out.push_back(fits_->Fitted(c));
+             if (!single && !out_.base_left.structured) return out;
+             const auto known = std::ranges::find(sets, c.added, &StateCandidate::added);
+             const StateCandidate* ended = known != sets.end()                    ? &*known
+                                           : !out.empty() && out.front().fitted() ? &out.front()
+                                                                                  : nullptr;
+             out.push_back(fits_->FittedFromSegments(c, ended));
+             return out;
+           }))
+        TakeAll(sets, std::move(fitted));
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
     }
@@ -147,6 +190,10 @@ class EffectSearch {
         out_.ranking.push_back(fits_->Foreseen(c));
     std::stable_sort(out_.ranking.begin() + static_cast<std::ptrdiff_t>(sets.size()), out_.ranking.end(),
                      [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
+  }
+
+  void TakeAll(std::vector<StateCandidate>& sets, std::vector<StateCandidate> fitted) {
+    for (StateCandidate& candidate : fitted) Take(sets, std::move(candidate));
   }
 
   /// Into the list, in place of a worse fit of the same set.
@@ -181,11 +228,16 @@ class EffectSearch {
     return true;
   }
 
+  template <class Some>
+  std::vector<StateCandidate> FittedFromAfar(const Some& some) const {
+    return Each("effects from starts all over the ranges", some,
+                [this](const StateCandidate& set) { return fits_->FittedFromAfar(set); });
+  }
+
   /// Where no effect helps, the model as it is may stand in a minimum from whose neighbourhood no law is found: all that were tried
   /// are fitted from starts all over the ranges. Whether one does better then.
   bool TakeAllFromAfar(std::vector<StateCandidate>& sets) {
-    for (const StateCandidate& set : std::vector<StateCandidate>(sets))
-      Take(sets, fits_->FittedFromAfar(set));
+    TakeAll(sets, FittedFromAfar(sets));
     Sort(sets);
     return Better(sets);
   }
@@ -194,8 +246,10 @@ class EffectSearch {
   /// beaten by it for having begun far off. Whether another is the best now.
   bool TakeNearLaws(const std::vector<StateContender>& contenders, std::vector<StateCandidate>& sets) {
     const StateCandidate best = sets.front();
-    for (const StateContender& c : contenders)
-      if (c.added != best.added) Take(sets, fits_->FittedNear(c, best, options_.near_law));
+    const auto others = [&](const StateContender& c) { return c.added != best.added; };
+    TakeAll(sets, Each("effects near the law found", Some(contenders, others), [&](const StateContender& c) {
+              return fits_->FittedNear(c, best, options_.near_law);
+            }));
     Sort(sets);
     return sets.front().added != best.added;
   }
@@ -203,15 +257,18 @@ class EffectSearch {
   /// Other sets that do much of what the best one does may stand in wrong minima: they are fitted from starts all over the ranges,
   /// not to be beaten for that. Whether another is the best now.
   bool TakeRivalsFromAfar(std::vector<StateCandidate>& sets) {
-    const std::vector<StateCandidate> before = sets;
-    const double removed = out_.final.held_out - before.front().held_out;
-    for (const StateCandidate& set : before)
-      if (set.added != before.front().added &&
-          out_.final.held_out - set.held_out >= options_.rival_removed * removed &&
-          set.held_out > (1 + options_.fit.same_minimum) * before.front().held_out)
-        if (StateCandidate afar = fits_->FittedFromAfar(set); afar.fitted()) Take(sets, std::move(afar));
+    const StateCandidate best = sets.front();
+    const double removed = out_.final.held_out - best.held_out;
+    const auto rivals = [&](const StateCandidate& set) {
+      return set.added != best.added &&
+             out_.final.held_out - set.held_out >= options_.rival_removed * removed &&
+             set.held_out > (1 + options_.fit.same_minimum) * best.held_out;
+    };
+    std::vector<StateCandidate> afar = FittedFromAfar(Some(sets, rivals));
+    std::erase_if(afar, [](const StateCandidate& candidate) { return !candidate.fitted(); });
+    TakeAll(sets, std::move(afar));
     Sort(sets);
-    return sets.front().added != before.front().added;
+    return sets.front().added != best.added;
   }
 
   /// What the best set leaves, if it does better than what was found before.
@@ -278,13 +335,18 @@ class EffectSearch {
       const StateCandidate without = found_.Without(id);
       const double known = without.added == before.added ? before.held_out : out_.base.held_out;
       if (!without.fitted() || without.held_out >= (1 - options_.fit.same_minimum) * known) continue;
+      std::vector<std::vector<std::string>> extended;
       for (const std::string& other : ids_) {
-        std::vector<std::string> added = without.added;
-        added.push_back(other);
-        if (other == id || std::find(added.begin(), added.end() - 1, other) != added.end() - 1) continue;
-        if (const auto contender = fits_->Screened(added, without)) Take(level, fits_->Fitted(*contender));
-        another = true;
+        if (other == id || Contains(without.added, other)) continue;
+        extended.push_back(without.added);
+        extended.back().push_back(other);
       }
+      another = another || !extended.empty();
+      TakeAll(level,
+              Each("effects from a better minimum", extended, [&](const std::vector<std::string>& added) {
+                const auto contender = fits_->Screened(added, without);
+                return contender ? fits_->Fitted(*contender) : StateCandidate{};
+              }));
       if (without.added != before.added) continue;
       before = without;
       if (!before.added.empty()) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -89,6 +90,9 @@ struct ExplainStatesOptions {
   StateFitOptions fit;
   StateRemainderOptions remainder;
   SpecificityOptions specificity;
+  int threads =
+      1;  ///< that effects are tried on; 0: as many as the computer has cores. What is found does not depend on it.
+  std::function<void(const std::string&)> tells = {};  ///< hears what is being done, from any of the threads
 };
 
 struct StatesExplanation {

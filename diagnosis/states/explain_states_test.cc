@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <random>
 
@@ -121,6 +122,34 @@ TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
   const StatesExplanation x = ExplainPushed(Bent, {});
   EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
   EXPECT_TRUE(x.runs.empty());
+}
+
+TEST(ExplainStates, FindsTheSameOnSeveralThreadsAndTellsWhatItDoes) {
+  const Episode episode = PushedLog(Wavy, {.back = 2});
+  const Machine machine = PushedMachine(kPushedCylinder, 2);
+  std::mutex mutex;
+  std::vector<std::string> told;
+  ExplainStatesOptions options;
+  const StatesExplanation alone = ExplainStates(machine, std::span(&episode, 1), options);
+  options.threads = 4;
+  options.tells = [&](const std::string& what) {
+    const std::lock_guard lock(mutex);
+    told.push_back(what);
+  };
+  const StatesExplanation several = ExplainStates(machine, std::span(&episode, 1), options);
+  EXPECT_EQ(several.verdict, alone.verdict);
+  EXPECT_EQ(several.set, alone.set);
+  EXPECT_EQ(several.nearest, alone.nearest);
+  EXPECT_EQ(several.warnings, alone.warnings);
+  ASSERT_EQ(several.ranking.size(), 2u);
+  ASSERT_EQ(alone.ranking.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(several.ranking[k].added, alone.ranking[k].added);
+    EXPECT_EQ(several.ranking[k].held_out, alone.ranking[k].held_out);
+    EXPECT_EQ(several.ranking[k].fit.parameters, alone.ranking[k].fit.parameters);
+  }
+  EXPECT_THAT(told, testing::Contains("fits the model as it is, start 1 of at most 9"));
+  EXPECT_THAT(told, testing::Contains("all effects: 2 of 2"));
 }
 
 TEST(ExplainStates, SaysWhichEffectsAnEpisodeCannotShow) {

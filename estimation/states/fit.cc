@@ -228,6 +228,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   bool white = false;  // the last start leaves white noise
   for (const Eigen::VectorXd& start : starts) {
     ++tried;
+    if (options.tells_start) options.tells_start(tried, starts.size());
     shooting::Point point = FitGrowing(task, start, options);
     if (!point.valid) {
       ++diverged;
@@ -337,6 +338,7 @@ MinimaSearch FindMinima(shooting::Task task, const std::vector<Eigen::VectorXd>&
   std::int64_t spent = 0;
   for (const Eigen::VectorXd& start : starts) {
     ++search.tried;
+    if (options.tells_start) options.tells_start(search.tried, starts.size());
     task.effort->spent = 0;
     shooting::Point point = FromStart(task, start, least, options);
     if (!point.valid) {

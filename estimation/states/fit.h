@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +37,8 @@ struct StateFitOptions {
   double tolerance = 1e-7;        ///< ... and the last fit
   double same_minimum = 0.02;     ///< costs that differ by less are one minimum
   int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
+  std::function<void(int start, std::size_t starts)> tells_start =
+      {};  ///< hears which start is begun, counted from 1
 };
 
 /// Starts that end with the same parameters, after which there is hardly a better minimum.

@@ -11,6 +11,7 @@
 #include "core/short_number.h"
 #include "core/told_error.h"
 #include "host/text_file.h"
+#include "host/work_line.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "pipeline/log_trust.h"
@@ -49,10 +50,11 @@ Result<Evidence> OnEpisodes(const ModelChange& change, const Machine& before, co
   auto log = TRY(ReadEpisodes(change.logs, before));
   const std::string source = fmt::format("{}", fmt::join(change.logs, ", "));
   Evidence out;
+  WorkLine line("model");
   for (const Machine* machine : {&before, &next}) {
     EpisodeLog episodes = log;
     episodes.machine = *machine;
-    const auto fit = TRY(FitEpisodes(std::move(episodes)));
+    const auto fit = TRY(FitEpisodes(std::move(episodes), line.Listener()));
     (machine == &before ? out.before : out.next) = ModelEvidence{RecordOf(fit, source), {}};
     out.warnings = fit.log.warnings;
   }

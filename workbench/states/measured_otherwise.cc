@@ -6,6 +6,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr SamplingOptions kOnAllCores = {.threads = 0};
+
 /// A file that says nothing means straight lines, and outputs read when inputs are: another way is taken in place of these alone.
 bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
   return !other.holds_otherwise || stated.hold == LogFormat().hold;
@@ -14,12 +16,11 @@ bool IsTaken(const OtherSampling& other, const LogFormat& stated) {
 /// Asked of the set found, and of single effects that do nearly as well: an imitator may bend to a wrong sampling, so that another
 /// takes nothing of its error away.
 std::optional<OtherSampling> SamplingOf(const StatesExplanation& x, std::span<const Episode> fitted) {
-  const SamplingOptions options;
-  auto other = FindOtherSampling(x.final.fit, fitted, LeftBySampling::kDoubt, options);
+  auto other = FindOtherSampling(x.final.fit, fitted, LeftBySampling::kDoubt, kOnAllCores);
   for (const StateCandidate& rival : x.ranking)
     if (!other && rival.fitted() && rival.added != x.final.added && rival.fit.runs.size() == fitted.size() &&
-        rival.held_out <= options.rivals * x.final.held_out)
-      other = FindOtherSampling(rival.fit, fitted, LeftBySampling::kDoubt, options);
+        rival.held_out <= kOnAllCores.rivals * x.final.held_out)
+      other = FindOtherSampling(rival.fit, fitted, LeftBySampling::kDoubt, kOnAllCores);
   return other;
 }
 
@@ -39,7 +40,7 @@ std::optional<MissingZeros> ZerosOf(const StatesExplanation& x, std::span<const 
 
 MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Episode> episodes,
                                         LeftBySampling left) {
-  MeasuredOtherwise otherwise{FindOtherSampling(fit, episodes, left), {}};
+  MeasuredOtherwise otherwise{FindOtherSampling(fit, episodes, left, kOnAllCores), {}};
   if (left == LeftBySampling::kDoubt) otherwise.zeros = FindMissingZeros(fit, episodes);
   return otherwise;
 }
@@ -47,8 +48,9 @@ MeasuredOtherwise FindMeasuredOtherwise(const StateFit& fit, std::span<const Epi
 MeasuredOtherwise FindMeasuredOtherwise(const StatesExplanation& found, std::span<const Episode> fitted) {
   MeasuredOtherwise otherwise;
   const bool in_doubt = found.verdict == Verdict::kUnknown || found.partial;
-  otherwise.sampling = in_doubt ? SamplingOf(found, fitted)
-                                : FindOtherSampling(found.final.fit, fitted, LeftBySampling::kNoise);
+  otherwise.sampling = in_doubt
+                           ? SamplingOf(found, fitted)
+                           : FindOtherSampling(found.final.fit, fitted, LeftBySampling::kNoise, kOnAllCores);
   if (in_doubt || found.final.added.size() > 1) otherwise.zeros = ZerosOf(found, fitted);
   return otherwise;
 }

@@ -12,6 +12,7 @@
 #include "diagnosis/states/other_causes/initial_values.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "host/text_sink.h"
+#include "host/work_line.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
@@ -129,8 +130,12 @@ StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
   return out;
 }
 
-Result<StatesFit> FitEpisodes(EpisodeLog log) {
+Result<StatesFit> FitEpisodes(EpisodeLog log, const WorkListener& tells) {
   LinearStart start = StartOf(log.machine, log.episodes);
+  if (tells)
+    start.options.tells_start = [&](int begun, std::size_t starts) {
+      tells(fmt::format("fits, start {} of at most {}", begun, starts));
+    };
   const auto model = TRY(BuildStateModel(start.machine, log.machine.added_effects));
   StatesFit out;
   out.linear = std::move(start.fit);
@@ -141,12 +146,13 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.error = ErrorOf(out.fit, out.left);
   out.dynamics = FindMissingDynamics(out.fit, out.left, log.episodes);
   const bool in_doubt = out.left.structured || out.slow();
+  if (tells) tells("looks at how it is sampled");
   MeasuredOtherwise otherwise;
   if (in_doubt || out.dynamics || out.noise_alone())
     otherwise = FindMeasuredOtherwise(out.fit, log.episodes,
                                       out.noise_alone() ? LeftBySampling::kNoise : LeftBySampling::kDoubt);
   if (const TakenOtherwise taken = TakeOtherwise(otherwise, log); taken != TakenOtherwise::kNothing) {
-    auto with_it = FitEpisodes(std::move(log));
+    auto with_it = FitEpisodes(std::move(log), tells);
     if (with_it && taken == TakenOtherwise::kZeros) with_it->zeros = otherwise.zeros;
     return with_it;
   }
@@ -178,7 +184,8 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   const auto machine = TRY(LoadMachine(machine_file));
   const auto chosen = TRY(ChooseLogs(logs, hold_out));
   auto log = TRY(ReadEpisodes(chosen.fitted, machine));
-  auto out = FitEpisodes(std::move(log));
+  WorkLine line("fit");
+  auto out = FitEpisodes(std::move(log), line.Listener());
   if (!out || chosen.held_out.empty()) return out;
   const auto other = TRY(ReadEpisodes({chosen.held_out}, machine));
   const StateFit& fitted = out->prediction ? *out->prediction : out->fit;
@@ -207,16 +214,19 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file) {
   const auto machine = TRY(LoadMachine(machine_file));
   auto log = TRY(ReadEpisodes(logs, machine));
-  auto out = ExplainReadEpisodes(std::move(log));
+  WorkLine line("explain");
+  auto out = ExplainReadEpisodes(std::move(log), line.Listener());
   if (out) out->target = "--machine " + ShellWord(machine_file);
   return out;
 }
 
-Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
+Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log, const WorkListener& tells) {
   StatesExplained out;
   const LinearStart start = StartOf(log.machine, log.episodes);
   ExplainStatesOptions options;
   options.fit = start.options;
+  options.threads = 0;
+  options.tells = tells;
   out.explanation = ExplainStates(start.machine, log.episodes, options);
   out.log = std::move(log);
   const StatesExplanation& x = out.explanation;
@@ -224,9 +234,10 @@ Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log) {
     return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", out.log.machine.name, x.base.fit.failed));
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
+  if (tells) tells("looks at how it is sampled");
   const MeasuredOtherwise otherwise = FindMeasuredOtherwise(x, fitted);
   if (const TakenOtherwise taken = TakeOtherwise(otherwise, out.log); taken != TakenOtherwise::kNothing) {
-    auto with_it = ExplainReadEpisodes(std::move(out.log));
+    auto with_it = ExplainReadEpisodes(std::move(out.log), tells);
     if (!with_it || taken != TakenOtherwise::kZeros) return with_it;
     with_it->zeros = otherwise.zeros;
     // The constant may be a law as well: no all-clear.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -91,8 +92,10 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
 /// `compare`: the same, and where it errs.
 Result<StatesFit> CompareStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                     const std::string& hold_out);
+/// Hears what is being done, from any thread.
+using WorkListener = std::function<void(const std::string& what)>;
 /// The same on episodes that were read.
-Result<StatesFit> FitEpisodes(EpisodeLog log);
+Result<StatesFit> FitEpisodes(EpisodeLog log, const WorkListener& tells = {});
 
 /// `explain`.
 struct StatesExplained {
@@ -122,7 +125,7 @@ struct StatesExplained {
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);
 /// The same on episodes that were read.
-Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log);
+Result<StatesExplained> ExplainReadEpisodes(EpisodeLog log, const WorkListener& tells = {});
 
 /// What a model achieves, for its history.
 ModelRecord RecordOf(const StatesFit& fit, const std::string& source);

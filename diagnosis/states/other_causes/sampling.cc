@@ -1,10 +1,12 @@
 #include "diagnosis/states/other_causes/sampling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/in_parallel.h"
 #include "core/short_number.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/remainder.h"
@@ -59,12 +61,14 @@ class OtherSamplings {
       return episode.mean_rows == 1;
     });
     std::vector<Way> ways;
-    for (const InputHold hold : {InputHold::kZero, InputHold::kLinear, InputHold::kSmooth}) {
+    TakeEach(ways, as_stated, [&](InputHold hold) {
+      std::vector<Way> of_hold;
       SampledFit held = hold == stated.hold ? as_stated : Fitted(hold, stated.outputs_late, fit_);
-      if (!held.solved()) continue;
-      if (looks_for_time) Take(ways, OlderWith(hold, 0, held), as_stated);
-      Take(ways, {{hold, stated.outputs_late.value_or(0)}, std::move(held)}, as_stated);
-    }
+      if (!held.solved()) return of_hold;
+      if (looks_for_time) of_hold.push_back(OlderWith(hold, 0, held));
+      of_hold.push_back({{hold, stated.outputs_late.value_or(0)}, std::move(held)});
+      return of_hold;
+    });
     if (looks_for_time && ways.front().clear) TakeLikeBest(ways, as_stated);
     return Plainest(ways);
   }
@@ -75,6 +79,15 @@ class OtherSamplings {
     SampledFit fit;
     bool clear = false;  ///< it leaves clearly less than what the file says
   };
+
+  /// The ways that `of_hold` gives for each hold.
+  template <class OfHold>
+  void TakeEach(std::vector<Way>& ways, const SampledFit& as_stated, const OfHold& of_hold) const {
+    constexpr std::array kHolds = {InputHold::kZero, InputHold::kLinear, InputHold::kSmooth};
+    for (std::vector<Way>& some :
+         InParallel(options_.threads, kHolds.size(), [&](std::size_t k) { return of_hold(kHolds[k]); }))
+      for (Way& way : some) Take(ways, std::move(way), as_stated);
+  }
 
   /// Into the list, best first.
   void Take(std::vector<Way>& ways, Way way, const SampledFit& as_stated) const {
@@ -112,17 +125,18 @@ class OtherSamplings {
     constexpr double kNone = 0.05;  // rows
     const Way best = ways.front();
     const auto held = [](InputHold hold) { return hold == InputHold::kZero ? 0.5 : 0.0; };
-    for (const InputHold hold : {InputHold::kZero, InputHold::kLinear, InputHold::kSmooth}) {
+    TakeEach(ways, as_stated, [&](InputHold hold) {
+      std::vector<Way> of_hold;
       Way way = best;
       if (hold != best.sampling.hold) {
         const double late = best.sampling.late + (held(best.sampling.hold) - held(hold)) * period_;
         way = OlderWith(hold, late, Fitted(hold, late, best.fit.fit));
-        Take(ways, way, as_stated);
+        of_hold.push_back(way);
       }
-      if (!way.fit.solved() || way.sampling.late == 0 || std::abs(way.sampling.late) > kNone * period_)
-        continue;
-      Take(ways, {{hold, 0}, Fitted(hold, std::nullopt, way.fit.fit)}, as_stated);
-    }
+      if (way.fit.solved() && way.sampling.late != 0 && std::abs(way.sampling.late) <= kNone * period_)
+        of_hold.push_back({{hold, 0}, Fitted(hold, std::nullopt, way.fit.fit)});
+      return of_hold;
+    });
   }
 
   /// Begins where `from` ended.
