@@ -58,6 +58,10 @@ EpisodeCutter::EpisodeCutter(const Machine& machine, EpisodeSignals of, const Op
   if (shaft_ >= 0) input_[shaft_] = true;
 }
 
+bool EpisodeCutter::JudgesStuck(const SignalSpec& signal, double period) {
+  return signal.stuck_time >= kStuckRows * period;
+}
+
 void EpisodeCutter::ForgiveSpikes(const std::vector<double>& share) { spikes_ = share; }
 
 bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
@@ -133,7 +137,7 @@ Quality EpisodeCutter::Forgiven(std::size_t signal) const {
   Quality forgiven = kTimeBreaks;
   if (input_[signal]) forgiven |= kFineOnInputs;
   if (share > kRareSpikes) forgiven |= quality::kSpike;
-  if (machine_.signals[signal].stuck_time < kStuckRows * options_.period) forgiven |= quality::kStuck;
+  if (!JudgesStuck(machine_.signals[signal], options_.period)) forgiven |= quality::kStuck;
   return forgiven;
 }
 

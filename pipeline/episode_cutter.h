@@ -45,6 +45,9 @@ class EpisodeCutter {
   /// `machine` must outlive it.
   EpisodeCutter(const Machine& machine, EpisodeSignals signals, const Options& options, Sink sink);
 
+  /// Whether readings of a signal that repeat one count as stuck (quality::kStuck): not where its `stuck_time` is a few rows only.
+  static bool JudgesStuck(const SignalSpec& signal, double period);
+
   /// Flags of readings that stand out are forgiven a signal that is full of them: of the whole log, if this is called with
   /// their share per signal, else of each episode.
   void ForgiveSpikes(const std::vector<double>& share);

@@ -101,6 +101,30 @@ Status JudgeAbsent(const std::string& log, const Machine& machine, const std::ve
   return {};
 }
 
+constexpr double kToldStuck =
+    0.01;  ///< share of the rows of a log from which on an output that stood is told of
+
+/// Warns of outputs that stood while their rows are left out.
+void TellStuck(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
+               const SampleBlock& rows, EpisodeLog& out) {
+  const auto stands = [](Quality q) { return (q & quality::kStuck) != 0; };
+  for (const int s : outputs) {
+    const SignalSpec& signal = machine.signals[static_cast<std::size_t>(s)];
+    const std::vector<Quality>& flags = rows.quality[static_cast<std::size_t>(s)];
+    const auto count = std::ranges::count_if(flags, stands);
+    if (static_cast<double>(count) < kToldStuck * static_cast<double>(flags.size()) || count == 0 ||
+        !EpisodeCutter::JudgesStuck(signal, out.period))
+      continue;
+    out.warnings.push_back(Tell(
+        "{}: {} (column {}) stands still in {} rows, first at {:.4g} s: its sensor, wire or logger hung, and these readings "
+        "are left out",
+        "{}: {} (Spalte {}) steht in {} Zeilen still, zuerst bei {:.4g} s: Sensor, Leitung oder Logger hing, und diese "
+        "Messwerte bleiben weg",
+        log, signal.name, signal.column, count,
+        rows.time[static_cast<std::size_t>(std::ranges::find_if(flags, stands) - flags.begin())]));
+  }
+}
+
 Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const Machine& machine) {
   const auto model = TRY(BuildStateModel(machine, machine.added_effects));
   TRY(EpisodeCutter::Check(model->machine));
@@ -111,6 +135,7 @@ Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const 
     auto rows = TRY(ReadRows(log, machine, out));
     TRY(JudgeAbsent(log, machine, model->outputs, rows));
     LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
+    TellStuck(log, machine, model->outputs, rows, out);
     for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))
       out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
     EpisodeCutter cutter(

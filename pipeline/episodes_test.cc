@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 namespace hydroscope {
 namespace {
@@ -59,6 +61,40 @@ TEST_F(EpisodesTest, PiecesOfFixedLengthLieBetweenChangesOfTheMarker) {
   ASSERT_TRUE(log) << log.error().text;
   EXPECT_EQ(log->episodes.size(), 8u);
   EXPECT_EQ(log->episodes[2].first_row, kBatch);
+}
+
+TEST_F(EpisodesTest, AnOutputThatStoodIsLeftOutAndToldOf) {
+  {
+    std::ofstream log(path_);
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 1e-3);
+    log << "t,q,level,batch\n";
+    for (int k = 0; k < 1000; ++k)
+      log << fmt::format("{},{},{},7\n", 0.1 * k, 1 + k % 7,
+                         k >= 400 && k < 600 ? 0.4 : 0.001 * k + noise(random));
+  }
+  const auto machine = ParseMachine(R"toml([log]
+time = { column = "t", unit = "s" }
+[signals]
+q = { column = "q", unit = "1" }
+level = { column = "level", unit = "m", stuck_time = 5 }
+[states]
+h = { ddt = "k*q", unit = "m" }
+[outputs]
+level = "h"
+[parameters]
+k = { start = 1, min = 0, max = 2 }
+)toml",
+                                    "tank.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const auto log = ReadEpisodes({path_}, *machine);
+  ASSERT_TRUE(log) << log.error().text;
+  ASSERT_EQ(log->episodes.size(), 1u);
+  EXPECT_TRUE(std::isnan(log->episodes[0].Reading(500, 1)));
+  ASSERT_EQ(log->warnings.size(), 1u);
+  EXPECT_NE(log->warnings[0].english.find("level (column level) stands still in 200 rows, first at 40 s"),
+            std::string::npos)
+      << log->warnings[0].english;
 }
 
 TEST_F(EpisodesTest, AnOutputThatTheLogLacksIsToldByName) {
