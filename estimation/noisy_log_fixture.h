@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -68,12 +69,24 @@ struct JudgedLog {
   }
 };
 
-/// Every `every`-th row of a log with noise `scale` times the rig's.
-inline JudgedLog LogWith(std::uint64_t seed, const NoiseOfSensor& noise, double scale = 1, int every = 1) {
+inline PressOptions OneMinute(std::uint64_t seed) {
   PressOptions options;
   options.seconds = 60;
   options.seed = seed;
-  const SimulatedLog log = SimulateClean(options);
+  return options;
+}
+
+/// Its signals without noise, simulated once.
+inline const SimulatedLog& CleanMinute(std::uint64_t seed) {
+  static std::map<std::uint64_t, SimulatedLog> by_seed;
+  const auto [log, is_new] = by_seed.try_emplace(seed);
+  if (is_new) log->second = SimulateClean(OneMinute(seed));
+  return log->second;
+}
+
+/// Every `every`-th row of a log with noise `scale` times the rig's.
+inline JudgedLog LogWith(std::uint64_t seed, const NoiseOfSensor& noise, double scale = 1, int every = 1) {
+  const SimulatedLog& log = CleanMinute(seed);
   RandomStream random(seed + 1000);
   JudgedLog out;
   out.machine.gate.bounds = {{"y_v", false, 0.04, std::nullopt}, {"z", true, std::nullopt, -0.004}};
@@ -93,7 +106,7 @@ inline JudgedLog LogWith(std::uint64_t seed, const NoiseOfSensor& noise, double 
   const auto thinned = read(log.t, 0);
   rows.Resize(out.machine.signals.size(), thinned.size());
   rows.time = thinned;
-  const SensorNoise& rig = options.noise;
+  const SensorNoise rig = OneMinute(seed).noise;
   rows.signal = {read(log.p_A, rig.p_A), read(log.z, rig.z),     read(log.y_v, rig.y_v),
                  read(log.p_B, rig.p_B), read(log.p_0, rig.p_0), read(log.T_oil, 0)};
   SpanEquationBuilder builder(out.model, out.window);

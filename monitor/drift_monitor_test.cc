@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "core/constants.h"
 #include "studies/simulated_strokes.h"
@@ -11,26 +12,46 @@
 namespace hydroscope::drift {
 namespace {
 
-/// A monitor that learned a simulated press, and the strokes it learned from.
-class DriftMonitorTest : public testing::Test {
- protected:
-  void SetUp() override {
+/// What is learned from the strokes of a simulated press.
+struct LearnedPress {
+  std::vector<StrokeEvidence> strokes;
+  std::optional<WatchedModel> model;
+  std::optional<Reference> reference;
+
+  static LearnedPress Simulated() {
     PressOptions options;
     options.seconds = 640;
     options.seed = 61;
     options.oil_start = 303.15;
     options.oil_end = 313.15;
-    auto log = StrokesOf(SimulatePress(options), MachineFor(options));
-    ASSERT_TRUE(log.has_value());
+    LearnedPress learned;
+    const auto log = StrokesOf(SimulatePress(options), MachineFor(options));
+    EXPECT_TRUE(log.has_value());
+    if (!log) return learned;
     std::vector<std::string> names;
     for (const WatchSpec& watch : DefaultRules().watches) names.push_back(watch.quantity);
     auto model = WatchedModel::Create(log->model, names);
-    ASSERT_TRUE(model.has_value());
+    EXPECT_TRUE(model.has_value());
+    if (!model) return learned;
     for (const StrokeRecord& stroke : log->strokes)
-      strokes_.push_back(model->Evidence(stroke, static_cast<std::int64_t>(strokes_.size())));
-    auto reference = Reference::Learn(*model, strokes_, 1);
-    ASSERT_TRUE(reference.has_value()) << (reference ? "" : reference.error().text);
-    monitor_.emplace(std::move(*model), DefaultRules(), std::move(*reference));
+      learned.strokes.push_back(model->Evidence(stroke, static_cast<std::int64_t>(learned.strokes.size())));
+    auto reference = Reference::Learn(*model, learned.strokes, 1);
+    EXPECT_TRUE(reference.has_value()) << (reference ? "" : reference.error().text);
+    if (!reference) return learned;
+    learned.model = std::move(*model);
+    learned.reference = std::move(*reference);
+    return learned;
+  }
+};
+
+/// A monitor of its own for every test, and the strokes that it learned from, which are the same for all.
+class DriftMonitorTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    static const LearnedPress learned = LearnedPress::Simulated();
+    ASSERT_TRUE(learned.model && learned.reference);
+    strokes_ = learned.strokes;
+    monitor_.emplace(*learned.model, DefaultRules(), *learned.reference);
   }
   int IndexOf(const std::string& quantity) const {
     const auto& all = monitor_->model().quantities();

@@ -23,6 +23,8 @@ struct Sweep {
   double noise = 6.8e-5;   // of the response
   double input_noise = 0;
   double offset = 0.008;  // of the response
+
+  bool operator==(const Sweep&) const = default;
 };
 
 /// Standard normal numbers, the same on every platform.
@@ -46,8 +48,8 @@ inline std::complex<double> TrueResponse(const Sweep& s, double frequency) {
 }
 
 /// Command sin(w (t - t_k)) from each switch t_k on; the response is exact: steady state plus the transient
-/// that keeps position and speed continuous at every switch.
-inline FrequencyRecord Simulate(const Sweep& s, std::uint64_t seed) {
+/// that keeps position and speed continuous at every switch. Without noise.
+inline SignalRun CleanRun(const Sweep& s) {
   using Complex = std::complex<double>;
   struct Piece {
     double begin, omega, amplitude;
@@ -77,10 +79,7 @@ inline FrequencyRecord Simulate(const Sweep& s, std::uint64_t seed) {
     add(frequency, s.hold);
     if (s.pause > 0) add(0, s.pause);
   }
-  FrequencyRecord record;
-  record.sample_period = 1 / s.sampling;
   SignalRun run;
-  Normal normal(seed);
   const auto samples = static_cast<std::size_t>(time * s.sampling);
   std::size_t now = 0, delayed = 0;
   for (std::size_t n = 0; n < samples; ++n) {
@@ -95,10 +94,24 @@ inline FrequencyRecord Simulate(const Sweep& s, std::uint64_t seed) {
       response += (y.steady * std::polar(1.0, y.omega * local)).imag() +
                   (y.first * std::exp(s1 * local) + y.second * std::exp(s2 * local)).real();
     }
-    run.input.push_back(u.amplitude * std::sin(u.omega * (t - u.begin)) + s.input_noise * normal());
-    run.output.push_back(response + s.noise * normal());
+    run.input.push_back(u.amplitude * std::sin(u.omega * (t - u.begin)));
+    run.output.push_back(response);
   }
-  record.runs.push_back(std::move(run));
+  return run;
+}
+
+/// The same with noise; what seeds have in common is computed once for those that follow one another.
+inline FrequencyRecord Simulate(const Sweep& s, std::uint64_t seed) {
+  static Sweep last{.frequencies = {}};
+  static SignalRun clean;
+  if (s != last) clean = CleanRun(last = s);
+  FrequencyRecord record{1 / s.sampling, {clean}};
+  SignalRun& run = record.runs[0];
+  Normal normal(seed);
+  for (std::size_t n = 0; n < run.input.size(); ++n) {
+    run.input[n] += s.input_noise * normal();
+    run.output[n] += s.noise * normal();
+  }
   return record;
 }
 

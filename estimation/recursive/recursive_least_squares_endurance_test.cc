@@ -65,7 +65,8 @@ TEST_P(Endurance, ADayOfZeroRegressorsChangesNothing) {
   Excite(20'000);
   const Eigen::VectorXd theta = rls_.theta();
   const Eigen::MatrixXd p = rls_.Covariance();
-  for (int k = 0; k < kDayOfBlocks; ++k) Learn(Eigen::Vector4d::Zero(), random_.Normal());
+  const Eigen::Vector4d zero = Eigen::Vector4d::Zero();
+  for (int k = 0; k < kDayOfBlocks; ++k) Learn(zero, random_.Normal());
   EXPECT_EQ(rls_.theta(), theta);
   EXPECT_EQ(rls_.Covariance(), p);
 }
@@ -73,7 +74,8 @@ TEST_P(Endurance, ADayOfZeroRegressorsChangesNothing) {
 TEST_P(Endurance, ADayOfConstantRegressorsIsSurvivedAndThenUnlearned) {
   Excite(20'000);
   const Eigen::Vector4d u(1, 1, -1, 0.5);
-  for (int k = 0; k < kDayOfBlocks; ++k) Learn(u, u.dot(kEnduring) + random_.Normal());
+  const double y = u.dot(kEnduring);
+  for (int k = 0; k < kDayOfBlocks; ++k) Learn(u, y + random_.Normal());
   ExpectSound();
   // Directional forgetting holds what it knew; the exponential form may have let it go, but says so in P.
   ExpectRight();
