@@ -34,9 +34,7 @@ double ContrastEnergy(const double* x, int n) {
   return energy / n;
 }
 
-}  // namespace
-
-HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
+HYDROSCOPE_WIDE double NoiseVariance(const double* x, int n) {
   if (n <= 3) return 0.0;
   Doubles even{}, odd{};
   int k = 3;
@@ -56,27 +54,7 @@ HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
   return total / (20.0 * (n - 3));
 }
 
-double WhitePartVariance(const double* x, int n) {
-  constexpr int kRows = 16, kMostWindows = 64;
-  struct Window {
-    double motion, pairs, rows;
-  };
-  std::array<Window, kMostWindows> windows;
-  const int all = n / kRows, taken = std::min(all, kMostWindows), quiet = (taken + 1) / 2;
-  if (taken == 0) return 0.0;
-  for (int w = 0; w < taken; ++w) {
-    const double* first = x + w * all / taken * kRows;
-    windows[w] = {ContrastEnergy<4>(first, kRows), ContrastEnergy<2>(first, kRows),
-                  ContrastEnergy<1>(first, kRows)};
-  }
-  std::nth_element(windows.begin(), windows.begin() + quiet - 1, windows.begin() + taken,
-                   [](const Window& a, const Window& b) { return a.motion < b.motion; });
-  double white = 0;
-  for (int w = 0; w < quiet; ++w) white += 2 * windows[w].rows - windows[w].pairs;
-  return std::max(0.0, white / quiet);
-}
-
-HYDROSCOPE_WIDE void SmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate) {
+HYDROSCOPE_WIDE void PutSmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate) {
   const int m = std::clamp((n - 1) / 2, 1, half);
   if (n < 3) {
     std::fill_n(rate, n, 0.0);
@@ -106,10 +84,10 @@ HYDROSCOPE_WIDE void SmoothRate(const double* x, int n, int half, double period,
   }
 }
 
-HYDROSCOPE_WIDE void SharpRate(const double* x, int n, int half, double period, double* rate) {
+HYDROSCOPE_WIDE void PutSharpRate(const double* x, int n, int half, double period, double* rate) {
   const int m = std::clamp((n - 1) / 4, 1, half);
   if (n < 5) {
-    SmoothRate(x, n, half, period, Ends::kHold, rate);
+    PutSmoothRate(x, n, half, period, Ends::kHold, rate);
     return;
   }
   // Sums over the m samples next to sample k, and over the m beyond those.
@@ -134,6 +112,38 @@ HYDROSCOPE_WIDE void SharpRate(const double* x, int n, int half, double period, 
   }
   std::fill_n(rate, first, rate[first]);
   std::fill_n(rate + last + 1, n - 1 - last, rate[last]);
+}
+
+}  // namespace
+
+double WhiteNoiseVariance(const double* x, int n) { return NoiseVariance(x, n); }
+
+double WhitePartVariance(const double* x, int n) {
+  constexpr int kRows = 16, kMostWindows = 64;
+  struct Window {
+    double motion, pairs, rows;
+  };
+  std::array<Window, kMostWindows> windows;
+  const int all = n / kRows, taken = std::min(all, kMostWindows), quiet = (taken + 1) / 2;
+  if (taken == 0) return 0.0;
+  for (int w = 0; w < taken; ++w) {
+    const double* first = x + w * all / taken * kRows;
+    windows[w] = {ContrastEnergy<4>(first, kRows), ContrastEnergy<2>(first, kRows),
+                  ContrastEnergy<1>(first, kRows)};
+  }
+  std::nth_element(windows.begin(), windows.begin() + quiet - 1, windows.begin() + taken,
+                   [](const Window& a, const Window& b) { return a.motion < b.motion; });
+  double white = 0;
+  for (int w = 0; w < quiet; ++w) white += 2 * windows[w].rows - windows[w].pairs;
+  return std::max(0.0, white / quiet);
+}
+
+void SmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate) {
+  PutSmoothRate(x, n, half, period, ends, rate);
+}
+
+void SharpRate(const double* x, int n, int half, double period, double* rate) {
+  PutSharpRate(x, n, half, period, rate);
 }
 
 }  // namespace hydroscope

@@ -207,28 +207,53 @@ template <typename Visit>
   rows.noise *= std::sqrt(std::max(0.0, blocks - 1.0) / std::max(1, blocks));
 }
 
-HYDROSCOPE_WIDE void FeatureBanks::FillModel(int blocks) {
-  const int columns = model_.column_count();
-  SumBlocks(columns, blocks, out_.model, [&](int k, const auto& add) {
-    for (int c = 0; c < columns; ++c) add(c, increments_[c][k]);
-  });
-}
+/// What runs on vectors.
+struct FeatureBanks::Wide {
+  HYDROSCOPE_WIDE void FillModel(FeatureBanks& own, int blocks) {
+    const int columns = own.model_.column_count();
+    own.SumBlocks(columns, blocks, own.out_.model, [&](int k, const auto& add) {
+      for (int c = 0; c < columns; ++c) add(c, own.increments_[c][k]);
+    });
+  }
 
-HYDROSCOPE_WIDE void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks,
-                                                 BlockColumns& rows) const {
-  const int knots = bank.count / static_cast<int>(bank.columns.size());
-  const std::vector<double>& place = place_[bank.axes[0]];
-  SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
-    const std::size_t next = std::min<std::size_t>(k + 1, place.size() - 1);
-    const Hat hat = HatAt(model_.level_form ? place[k] : 0.5 * (place[k] + place[next]), knots);
-    for (std::size_t i = 0; i < bank.columns.size(); ++i) {
-      const int left = static_cast<int>(i) * knots + hat.left;
-      const double increment = increments_[bank.columns[i]][k];
-      add(left, (1 - hat.right) * increment);
-      add(left + 1, hat.right * increment);
-    }
-  });
-}
+  HYDROSCOPE_WIDE void FillModulated(const FeatureBanks& own, const FeatureBank& bank, int blocks,
+                                     BlockColumns& rows) {
+    const int knots = bank.count / static_cast<int>(bank.columns.size());
+    const std::vector<double>& place = own.place_[bank.axes[0]];
+    own.SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
+      const std::size_t next = std::min<std::size_t>(k + 1, place.size() - 1);
+      const Hat hat = HatAt(own.model_.level_form ? place[k] : 0.5 * (place[k] + place[next]), knots);
+      for (std::size_t i = 0; i < bank.columns.size(); ++i) {
+        const int left = static_cast<int>(i) * knots + hat.left;
+        const double increment = own.increments_[bank.columns[i]][k];
+        add(left, (1 - hat.right) * increment);
+        add(left + 1, hat.right * increment);
+      }
+    });
+  }
+
+  HYDROSCOPE_WIDE void FillRates(const FeatureBanks& own, const FeatureBank& bank, int blocks,
+                                 BlockColumns& rows) {
+    const bool pair = bank.axes.size() == 2;
+    const double period = own.model_.level_form ? 1.0 : own.window_.period;
+    const std::vector<double>& first = own.place_[bank.axes[0]];
+    const std::vector<double>& second = own.place_[bank.axes.back()];
+    own.SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
+      const Hat a = HatAt(first[k], pair ? kPairKnots : kRateKnots);
+      if (!pair) {
+        add(a.left, (1 - a.right) * period);
+        add(a.left + 1, a.right * period);
+        return;
+      }
+      const Hat b = HatAt(second[k], kPairKnots);
+      const int corner = a.left * kPairKnots + b.left;
+      add(corner, (1 - a.right) * (1 - b.right) * period);
+      add(corner + 1, (1 - a.right) * b.right * period);
+      add(corner + kPairKnots, a.right * (1 - b.right) * period);
+      add(corner + kPairKnots + 1, a.right * b.right * period);
+    });
+  }
+};
 
 /// Within a span the time is as good as constant: the terms' own rows times its powers.
 void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const {
@@ -245,27 +270,6 @@ void FeatureBanks::FillTrend(const FeatureBank& bank, double time, BlockColumns&
   }
 }
 
-HYDROSCOPE_WIDE void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const {
-  const bool pair = bank.axes.size() == 2;
-  const double period = model_.level_form ? 1.0 : window_.period;
-  const std::vector<double>& first = place_[bank.axes[0]];
-  const std::vector<double>& second = place_[bank.axes.back()];
-  SumBlocks(bank.count, blocks, rows, [&](int k, const auto& add) {
-    const Hat a = HatAt(first[k], pair ? kPairKnots : kRateKnots);
-    if (!pair) {
-      add(a.left, (1 - a.right) * period);
-      add(a.left + 1, a.right * period);
-      return;
-    }
-    const Hat b = HatAt(second[k], kPairKnots);
-    const int corner = a.left * kPairKnots + b.left;
-    add(corner, (1 - a.right) * (1 - b.right) * period);
-    add(corner + 1, (1 - a.right) * b.right * period);
-    add(corner + kPairKnots, a.right * (1 - b.right) * period);
-    add(corner + kPairKnots + 1, a.right * b.right * period);
-  });
-}
-
 const FeatureRows& FeatureBanks::Rows(std::size_t stroke, std::size_t part) {
   if (part == 0) done_ = 0;
   const Stretch& stretch = Derived(model_, strokes_[stroke][part], work_);
@@ -273,15 +277,15 @@ const FeatureRows& FeatureBanks::Rows(std::size_t stroke, std::size_t part) {
   const int blocks = (stretch.samples - lead_) / window_.block;
   FillIncrements(stretch);
   FillPlaces(stretch, stroke);
-  FillModel(blocks);
+  Wide::FillModel(*this, blocks);
   for (std::size_t b = 0; b < banks_.size(); ++b) {
     const FeatureBank& bank = banks_[b];
     if (bank.columns.empty())
-      FillRates(bank, blocks, out_.banks[b]);
+      Wide::FillRates(*this, bank, blocks, out_.banks[b]);
     else if (bank.axes.empty())
       FillTrend(bank, bank.of_logs ? of_log_[stroke] : in_log_[stroke], out_.banks[b]);
     else
-      FillModulated(bank, blocks, out_.banks[b]);
+      Wide::FillModulated(*this, bank, blocks, out_.banks[b]);
   }
   return out_;
 }

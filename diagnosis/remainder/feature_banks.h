@@ -55,6 +55,7 @@ class FeatureBanks {
   const FeatureRows& Rows(std::size_t stroke, std::size_t part);
 
  private:
+  struct Wide;
   /// A signal that features are functions of.
   struct Axis {
     int channel = 0;  ///< of Stretch; -1 = phase of the stroke
@@ -64,11 +65,8 @@ class FeatureBanks {
   void ChooseBanks();
   void FillIncrements(const Stretch& stretch);
   void FillPlaces(const Stretch& stretch, std::size_t stroke);
-  void FillModel(int blocks);
-  void FillModulated(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
   void FindTimes();
   void FillTrend(const FeatureBank& bank, double time, BlockColumns& rows) const;
-  void FillRates(const FeatureBank& bank, int blocks, BlockColumns& rows) const;
   template <typename Visit>
   void SumBlocks(int features, int blocks, BlockColumns& rows, Visit visit) const;
 

@@ -45,7 +45,28 @@ struct FitProblem::Parameters {
       turn_imag[m] = turned.imag();
     }
   }
-  void FillTerms(double omega, bool with_slopes, ResponseTerms& t) const;
+  HYDROSCOPE_WIDE void FillTerms(const Parameters& p, double omega, bool with_slopes, ResponseTerms& t) {
+    const double per_omega_0 = 1 / p.omega_0, twice_damping = 2 * p.damping, from = omega + p.first;
+    for (int m = 0; m < p.count; ++m) {
+      const double w = from + m * p.apart, r = w * per_omega_0;
+      const double a = 1 - r * r, b = twice_damping * r,
+                   over = 1 / ((a * a + b * b) * (p.hold > 0 ? w : 1.0));
+      t.real[m] = over * (a * p.turn_real[m] + b * p.turn_imag[m]);
+      t.imag[m] = over * (a * p.turn_imag[m] - b * p.turn_real[m]);
+    }
+    for (int m = 0; with_slopes && m < p.count; ++m) {
+      const double w = from + m * p.apart, r = w * per_omega_0;
+      const double a = 1 - r * r, b = twice_damping * r, over = 1 / (a * a + b * b);
+      const double real = over * (t.real[m] * a + t.imag[m] * b),
+                   imag = over * (t.imag[m] * a - t.real[m] * b);
+      t.omega_real[m] = -2 * r * r * real - b * imag;
+      t.omega_imag[m] = b * real - 2 * r * r * imag;
+      t.damping_real[m] = b * imag;
+      t.damping_imag[m] = -b * real;
+      t.delay_real[m] = w * t.imag[m];
+      t.delay_imag[m] = -w * t.real[m];
+    }
+  }
   /// What all terms of a frequency have as a factor, but for the gain: dead time of the first image, hold.
   Complex FactorOf(double omega) const {
     const Complex delayed = std::polar(1.0, -(omega + first) * dead_time);
@@ -70,28 +91,6 @@ Complex Sum(const PerImage& real, const PerImage& imag, int count) {
 }
 
 }  // namespace
-
-HYDROSCOPE_WIDE void FitProblem::Parameters::FillTerms(double omega, bool with_slopes,
-                                                       ResponseTerms& t) const {
-  const double per_omega_0 = 1 / omega_0, twice_damping = 2 * damping, from = omega + first;
-  for (int m = 0; m < count; ++m) {
-    const double w = from + m * apart, r = w * per_omega_0;
-    const double a = 1 - r * r, b = twice_damping * r, over = 1 / ((a * a + b * b) * (hold > 0 ? w : 1.0));
-    t.real[m] = over * (a * turn_real[m] + b * turn_imag[m]);
-    t.imag[m] = over * (a * turn_imag[m] - b * turn_real[m]);
-  }
-  for (int m = 0; with_slopes && m < count; ++m) {
-    const double w = from + m * apart, r = w * per_omega_0;
-    const double a = 1 - r * r, b = twice_damping * r, over = 1 / (a * a + b * b);
-    const double real = over * (t.real[m] * a + t.imag[m] * b), imag = over * (t.imag[m] * a - t.real[m] * b);
-    t.omega_real[m] = -2 * r * r * real - b * imag;
-    t.omega_imag[m] = b * real - 2 * r * r * imag;
-    t.damping_real[m] = b * imag;
-    t.damping_imag[m] = -b * real;
-    t.delay_real[m] = w * t.imag[m];
-    t.delay_imag[m] = -w * t.real[m];
-  }
-}
 
 FitProblem::FitProblem(std::vector<FrequencyPoint> points, double hold) : hold_(hold) {
   std::erase_if(points,
@@ -183,13 +182,13 @@ Vector4 FitProblem::Complete(double omega_0, double damping) const {
 
 Complex FitProblem::Model(const Parameters& p, double omega) const {
   ResponseTerms terms;
-  p.FillTerms(omega, false, terms);
+  Parameters::FillTerms(p, omega, false, terms);
   return p.gain * Times(p.FactorOf(omega), Sum(terms.real, terms.imag, p.count));
 }
 
 Complex FitProblem::ModelWithSlopes(const Parameters& p, double omega, std::array<Complex, 4>& slope) const {
   ResponseTerms terms;
-  p.FillTerms(omega, true, terms);
+  Parameters::FillTerms(p, omega, true, terms);
   const Complex factor = p.FactorOf(omega), with_gain = p.gain * factor;
   slope[kLogOmega] = Times(with_gain, Sum(terms.omega_real, terms.omega_imag, p.count));
   slope[kLogDamping] = Times(with_gain, Sum(terms.damping_real, terms.damping_imag, p.count));

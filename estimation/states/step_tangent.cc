@@ -80,8 +80,6 @@ template <int kCount>
   }
 }
 
-}  // namespace
-
 /// As BeginOfStage, in lanes: what is written in them is read in them.
 template <int kCount>
 [[gnu::always_inline]] inline void SlopesFrom(const double* s, const double* k, const double* weights,
@@ -99,8 +97,8 @@ template <int kCount>
   }
 }
 
-HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step,
-                                       const double* s, double* k, double* end) {
+HYDROSCOPE_WIDE void DifferentiateExplicit(const TangentShape& shape, const TangentPoint* stages, double step,
+                                           const double* s, double* k, double* end) {
   const auto size = static_cast<std::size_t>(shape.states * shape.columns);
   for (std::size_t stage = 0; stage + 1 < kExplicitStages; ++stage)
     PutOwnSlopes(shape, stages[stage], k + stage * size);
@@ -128,8 +126,8 @@ HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentP
   }
 }
 
-HYDROSCOPE_WIDE void DifferentiateImplicitStep(const TangentShape& shape, const TangentPoint* stages,
-                                               double step, const double* s, double* k, double* end) {
+HYDROSCOPE_WIDE void DifferentiateImplicit(const TangentShape& shape, const TangentPoint* stages, double step,
+                                           const double* s, double* k, double* end) {
   const auto n = static_cast<std::size_t>(shape.states), columns = static_cast<std::size_t>(shape.columns),
              size = n * columns;
   std::array<double, kMaxStates * kMaxStates> matrix;
@@ -150,6 +148,18 @@ HYDROSCOPE_WIDE void DifferentiateImplicitStep(const TangentShape& shape, const 
   take(std::integral_constant<int, 3>());
   take(std::integral_constant<int, 4>());
   SlopesFrom<kImplicitStages>(s, k, kImplicitA[kImplicitStages - 1], step, size, end);
+}
+
+}  // namespace
+
+void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step, const double* s,
+                       double* k, double* end) {
+  DifferentiateExplicit(shape, stages, step, s, k, end);
+}
+
+void DifferentiateImplicitStep(const TangentShape& shape, const TangentPoint* stages, double step,
+                               const double* s, double* k, double* end) {
+  DifferentiateImplicit(shape, stages, step, s, k, end);
 }
 
 void PutStageMatrix(const std::vector<Entry>& by_states, const double* registers, const unsigned char* held,

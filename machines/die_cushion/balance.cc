@@ -15,15 +15,15 @@
 
 namespace hydroscope {
 
-HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
+namespace {
+
+HYDROSCOPE_WIDE void PutLogarithms(Stretch& s) {
   const double *p = s[kPressureA], *y = s[kSpool];
   double *pressure = s[kLogPressure], *absolute = s[kLogAbsolute], *opening = s[kLogOpening];
   for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
   for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
   for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
 }
-
-namespace {
 
 constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
 /// sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least.
@@ -63,7 +63,7 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   // A regressor of the signal delays: smeared pressure steps would make them come out large, noise small.
   SharpRate(s[kPressureA] - s.before, known, half, s.period, s[kPressureRate] - s.before);
   for (int k = -s.before; k < s.samples + s.after; ++k) s[kTime][k] = s.begin + k * s.period;
-  FillLogarithms(s);
+  PutLogarithms(s);
 }
 
 std::vector<Column> BaseColumns(double area) {
@@ -109,7 +109,7 @@ void DisturbSensors(bool has_supply, const Stretch& s, int first, int step, Stre
   }
   const double spool = std::sqrt(WhitePartVariance(s[kSpool], s.samples));
   for (int k = 2 * count; k < 3 * count; ++k) copies[kSpool][k] += spool;
-  FillLogarithms(copies);
+  PutLogarithms(copies);
 }
 
 DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
@@ -150,6 +150,8 @@ PublishedForm AsPublished(double area, double tank_pressure) {
 }
 
 }  // namespace
+
+void FillLogarithms(Stretch& stretch) { PutLogarithms(stretch); }
 
 Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) {
   const auto area = machine.Geometry("A_A");

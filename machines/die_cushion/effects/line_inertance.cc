@@ -14,48 +14,50 @@ constexpr double kNearlyClosed = 1e-3;
 struct ColumnFlow {
   double step;  ///< period / x
   double q;     ///< of the last sample, without sign
-
-  /// Goes on from sample 0 to `count` <= kChunk; `lag` is how far q is behind the flow without a column, from
-  /// sample 1 on. By the trapezium rule, q^2 taken as the product of old and new value; where the column
-  /// settles within a sample it follows a ramp, by its time constant late. Only a column that has not settled
-  /// waits for the sample before.
-  HYDROSCOPE_WIDE void Advance(const double* root, const double* y, int count, double* lag) {
-    double opening[kChunk + 1], steady[kChunk + 1], loss[kChunk], settled[kChunk];
-    for (int k = 0; k <= count; ++k) {
-      opening[k] = 1.0 / std::max(std::abs(y[k]), kNearlyClosed);
-      steady[k] = y[k] * root[k];
-    }
-    int moving = 0;
-    for (int k = 0; k < count; ++k) {
-      loss[k] = step * opening[k] * opening[k + 1];
-      settled[k] = loss[k] * std::abs(steady[k + 1]);  // half the period over the time constant
-      lag[k] = (steady[k + 1] - steady[k]) * (0.5 / std::max(settled[k], 0.5));
-      moving += settled[k] < 1.0;
-    }
-    if (moving > 0) {
-      for (int k = 0; k < count; ++k) {
-        const double drop = 0.5 * (root[k] * std::abs(root[k]) + root[k + 1] * std::abs(root[k + 1]));
-        const double next = (q + step * drop) / (1.0 + loss[k] * q);
-        const bool swings = settled[k] < 1.0 && next >= 0.0;
-        q = swings ? next : std::abs(steady[k + 1] - lag[k]);
-        if (swings) lag[k] = steady[k + 1] - std::copysign(q, steady[k + 1]);
-      }
-    }
-    q = std::abs(steady[count] - lag[count - 1]);
-  }
 };
+
+/// Goes on from sample 0 to `count` <= kChunk; `lag` is how far q is behind the flow without a column, from
+/// sample 1 on. By the trapezium rule, q^2 taken as the product of old and new value; where the column
+/// settles within a sample it follows a ramp, by its time constant late. Only a column that has not settled
+/// waits for the sample before.
+HYDROSCOPE_WIDE void AdvanceColumn(ColumnFlow& column, const double* root, const double* y, int count,
+                                   double* lag) {
+  double opening[kChunk + 1], steady[kChunk + 1], loss[kChunk], settled[kChunk];
+  for (int k = 0; k <= count; ++k) {
+    opening[k] = 1.0 / std::max(std::abs(y[k]), kNearlyClosed);
+    steady[k] = y[k] * root[k];
+  }
+  int moving = 0;
+  for (int k = 0; k < count; ++k) {
+    loss[k] = column.step * opening[k] * opening[k + 1];
+    settled[k] = loss[k] * std::abs(steady[k + 1]);  // half the period over the time constant
+    lag[k] = (steady[k + 1] - steady[k]) * (0.5 / std::max(settled[k], 0.5));
+    moving += settled[k] < 1.0;
+  }
+  if (moving > 0) {
+    for (int k = 0; k < count; ++k) {
+      const double drop = 0.5 * (root[k] * std::abs(root[k]) + root[k + 1] * std::abs(root[k + 1]));
+      const double next = (column.q + column.step * drop) / (1.0 + loss[k] * column.q);
+      const bool swings = settled[k] < 1.0 && next >= 0.0;
+      column.q = swings ? next : std::abs(steady[k + 1] - lag[k]);
+      if (swings) lag[k] = steady[k + 1] - std::copysign(column.q, steady[k + 1]);
+    }
+  }
+  column.q = std::abs(steady[count] - lag[count - 1]);
+}
 
 /// Increments of the lag per x, on a column in motion since as long as the signals are known.
 void IntegrateLag(const Stretch& s, double x, std::span<double> out) {
   const double *root = s[kFlowRoot], *y = s[kSpool];
   ColumnFlow column{s.period / x, std::abs(root[-s.before] * y[-s.before])};
   double lag[kChunk];
-  for (int k = -s.before; k < 0; k += kChunk) column.Advance(root + k, y + k, std::min(kChunk, -k), lag);
+  for (int k = -s.before; k < 0; k += kChunk)
+    AdvanceColumn(column, root + k, y + k, std::min(kChunk, -k), lag);
   const double scale = 0.5 * s.period / x;
   double left = y[0] * root[0] - std::copysign(column.q, y[0] * root[0]);
   for (int first = 0; first + 1 < s.samples; first += kChunk) {
     const int count = std::min(kChunk, s.samples - 1 - first);
-    column.Advance(root + first, y + first, count, lag);
+    AdvanceColumn(column, root + first, y + first, count, lag);
     for (int k = 0; k < count; ++k) {
       out[first + k] = scale * (left + lag[k]);
       left = lag[k];
