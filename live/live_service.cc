@@ -426,6 +426,7 @@ void LiveService::UpdateStatus(HostTime now) {
     if (pipeline.strokes() > 0) {
       axis.last_stroke = pipeline.last_stroke().summary.end;
       axis.estimates = pipeline.last_stroke().estimates;
+      axis.warnings = pipeline.pipeline().doubts();
     }
     status.axes.push_back(std::move(axis));
   }

@@ -153,7 +153,7 @@ LiveStatus Surveillance::status() const {
   now.drift = Drift();
   for (AxisStatus& axis : now.axes) {
     for (Estimate& estimate : axis.estimates) StateEstimate(board_->StatementsOf(axis.name), estimate);
-    axis.warnings = DoubtsOf(machine_, axis.estimates);
+    AddDoubts(DoubtsOf(machine_, axis.estimates), axis.warnings);
   }
   now.valve_check = checks_.state();
   now.log = NewestLogLines();

@@ -10,6 +10,7 @@
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine_kind.h"
 #include "models/parameter_unit.h"
+#include "pipeline/doubtful_estimates.h"
 
 namespace hydroscope {
 namespace {
@@ -206,11 +207,14 @@ void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monito
     }
 }
 
-void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content) {
+void JudgeSignals(const Machine& machine, const JudgedRecord& stroke, const AlarmMoment& now,
+                  AxisContent& content) {
   const StrokeCounters& counters = stroke.record.summary.counters;
   const double used =
       counters.gated > 0 ? static_cast<double>(counters.used) / static_cast<double>(counters.gated) : 0.0;
-  const bool lost = stroke.reason == drift::JudgementReason::kUnusable || used < kLeastUsed;
+  const Told reversed = ReversedIn(machine, stroke.record.estimates);
+  const bool lost =
+      stroke.reason == drift::JudgementReason::kUnusable || used < kLeastUsed || !reversed.empty();
   if (!lost && std::ranges::find(content.alarms, "signal_loss", &AlarmState::id) == content.alarms.end())
     return;
   AlarmCondition condition{
@@ -218,11 +222,13 @@ void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisConten
       stroke.sequence};
   if (lost) condition.value = std::max(condition.value, condition.limit);
   condition.Say(
-      Tell("only {:.0f} % of the rows could be used: check sensors and cables; `hydroscope check` on a "
-           "log tells which signal",
-           "nur {:.0f} % der Zeilen waren zu gebrauchen: Sensoren und Kabel prüfen; `hydroscope check` "
-           "auf eine Aufzeichnung sagt, welches Signal",
-           100 * used));
+      !reversed.empty()
+          ? reversed
+          : Tell("only {:.0f} % of the rows could be used: check sensors and cables; `hydroscope check` on a "
+                 "log tells which signal",
+                 "nur {:.0f} % der Zeilen waren zu gebrauchen: Sensoren und Kabel prüfen; `hydroscope check` "
+                 "auf eine Aufzeichnung sagt, welches Signal",
+                 100 * used));
   content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
 }
 

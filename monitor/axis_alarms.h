@@ -54,8 +54,9 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
 void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monitors,
                  const std::vector<EstimateStatement>& tolerances, const drift::RuleBook& rules,
                  const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
-/// Strokes of which less than half of the rows could be used.
-void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
+/// Strokes of which less than half of the rows could be used, or whose signals count the other way round (ReversedIn).
+void JudgeSignals(const Machine& machine, const JudgedRecord& stroke, const AlarmMoment& now,
+                  AxisContent& content);
 /// `doubtful_reference`: the strokes just learned do not look like those of a healthy machine.
 void JudgeReference(int version, const std::vector<LearningDoubt>& doubts, const AlarmMoment& now,
                     AxisContent& content);

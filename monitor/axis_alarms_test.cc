@@ -127,8 +127,10 @@ TEST(AlarmWords, AnAlarmThatNoFindingRaisesSaysOneSentenceInBothLanguages) {
   record.summary.counters.gated = 100;
   record.summary.counters.used = 20;
   AxisContent content;
+  Machine cushion;
+  cushion.model = "die_cushion";
   for (int k = 0; k < 3; ++k)
-    axis_alarms::JudgeSignals({record, k, drift::JudgementReason::kUnusable}, {}, content);
+    axis_alarms::JudgeSignals(cushion, {record, k, drift::JudgementReason::kUnusable}, {}, content);
   ASSERT_EQ(content.alarms.size(), 1u);
   const AlarmState& alarm = content.alarms.front();
   EXPECT_EQ(alarm.text, alarm.words.finding.english);

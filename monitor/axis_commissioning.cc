@@ -8,6 +8,7 @@
 #include "monitor/axis_alarms.h"
 #include "monitor/axis_monitor.h"
 #include "monitor/learning_check.h"
+#include "pipeline/doubtful_estimates.h"
 
 namespace hydroscope {
 namespace {
@@ -79,8 +80,8 @@ Status AxisMonitor::JudgeWithoutReference(std::int64_t end, double wall) {
           if (IsOfLimit(alarm)) axis.Append(alarm_machine::Suppress(alarm, kSuppressedTooCold, cold, last_));
         }
         const JudgedRecord judged{stroke.record, stroke.sequence, drift::JudgementReason::kJudged};
-        axis_alarms::JudgeSignals(judged, last_, axis);
-        if (!cold)
+        axis_alarms::JudgeSignals(machine_, judged, last_, axis);
+        if (!cold && ReversedIn(machine_, stroke.record.estimates).empty())
           axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, tolerances_, rules_, judged, last_,
                                    axis);
         Suppress(axis, last_);
@@ -97,25 +98,39 @@ bool AxisMonitor::IsOfLimit(const AlarmState& alarm) const {
       machine_.monitors, [&](const MonitorSpec& spec) { return alarm.id.starts_with(spec.parameter + "."); });
 }
 
+/// Whether the strokes collected are refused for what their signals are. Then those that are seen to be wrong make room for others,
+/// or the older half: once the signals are right, commissioning goes on by itself.
+bool AxisMonitor::RefuseCollected() {
+  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
+  const auto doubt = DoubtOfSignals(database_, path_, part, machine_);
+  if (!doubt) return false;
+  why_not_learned_ =
+      Tell("nothing is learned from {} {} to {}: {}", "aus {} {} bis {} wird nichts gelernt: {}",
+           counted().Many(), part.first, part.last - 1, doubt->text);
+  const auto right = std::ranges::find_if(
+      collected_, [&](const drift::StrokeEvidence& stroke) { return stroke.sequence >= doubt->refused_to; });
+  const auto half = collected_.begin() + std::max<std::ptrdiff_t>(1, std::ssize(collected_) / 2);
+  collected_.erase(collected_.begin(), doubt->refused_to > 0 ? right : half);
+  return true;
+}
+
 /// True once a reference is there.
 Result<bool> AxisMonitor::Commission(double wall) {
-  const auto enough = CollectForLearning();
-  if (!enough || !*enough) return enough;
-  if (!rules_.automatic || !why_not_learned_.empty()) return false;
-  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
-  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
-    why_not_learned_ =
-        Tell("nothing is learned from {} {} to {}: {}", "aus {} {} bis {} wird nichts gelernt: {}",
-             counted().Many(), part.first, part.last - 1, doubt->text);
-    return false;
+  for (;;) {
+    const auto enough = CollectForLearning();
+    if (!enough || !*enough) return enough;
+    if (!rules_.automatic) return false;
+    if (RefuseCollected()) continue;
+    TRY(JudgeWithoutReference(collected_to_, wall));
+    const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
+    if (learned) {
+      why_not_learned_ = {};
+      return true;
+    }
+    if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
+    // These strokes do not tell the parameters apart: the older half makes room for others.
+    collected_.erase(collected_.begin(), collected_.begin() + collected_.size() / 2);
   }
-  TRY(JudgeWithoutReference(collected_to_, wall));
-  const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
-  if (learned) return true;
-  if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
-  // These strokes do not tell the parameters apart: the older half makes room for others.
-  collected_.erase(collected_.begin(), collected_.begin() + collected_.size() / 2);
-  return Commission(wall);
 }
 
 Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,

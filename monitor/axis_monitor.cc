@@ -4,9 +4,11 @@
 
 #include "core/constants.h"
 #include "core/told_error.h"
+#include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
+#include "pipeline/doubtful_estimates.h"
 #include "pipeline/geometry_tolerance.h"
 #include "workbench/history/stated_estimates.h"
 
@@ -105,7 +107,8 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::LoadWithoutGrams(std::int6
       strokes.push_back(std::move(stroke));
     }
   }
-  if (strokes.empty() || machine_.monitors.empty()) return strokes;
+  const bool asks_estimates = !machine_.monitors.empty() || ClosedLoopOf(machine_) != nullptr;
+  if (strokes.empty() || !asks_estimates) return strokes;
   const auto trend =
       TRY(database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1));
   for (const TrendPoint& point : trend) {
@@ -116,8 +119,9 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::LoadWithoutGrams(std::int6
 }
 
 drift::StrokeEvidence AxisMonitor::EvidenceOf(const Stored& stroke) const {
-  // A Gram of another model's columns tells nothing here.
-  if (stroke.record.gram.integral.dimension() == columns_)
+  // A Gram of another model's columns tells nothing here, nor does one of a signal that counts the other way round.
+  if (stroke.record.gram.integral.dimension() == columns_ &&
+      ReversedIn(machine_, stroke.record.estimates).empty())
     return model_->Evidence(stroke.record, stroke.sequence);
   drift::StrokeEvidence none;
   none.sequence = stroke.sequence;
@@ -319,7 +323,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
   const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
   const bool first_time = stroke.sequence >= without_reference_to_;
-  if (first_time) axis_alarms::JudgeSignals(judged, now, content);
+  if (first_time) axis_alarms::JudgeSignals(machine_, judged, now, content);
   const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
   for (AlarmState& alarm : content.alarms)
     if (alarm.severity != AlarmSeverity::kSignalLoss)
@@ -328,7 +332,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold && first_time)
+  if (!cold && first_time && ReversedIn(machine_, stroke.record.estimates).empty())
     axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, tolerances_, rules_, judged, now, content);
   Suppress(content, now);
 }

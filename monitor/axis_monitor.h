@@ -61,7 +61,7 @@ class AxisMonitor {
 
   /// nullptr while commissioning. Valid after CatchUp().
   const drift::DriftMonitor* monitor() const { return monitor_ ? &*monitor_ : nullptr; }
-  /// Why the strokes of commissioning were not learned, "" if nothing speaks against it.
+  /// Why strokes of commissioning were not learned; "" once others are, or if nothing speaks against them.
   const Told& why_not_learned() const { return why_not_learned_; }
   /// Strokes commissioning has so far, and how many it needs: as counted here, else as the journal has it from who judged last.
   std::int64_t commissioning_strokes() const {
@@ -120,6 +120,7 @@ class AxisMonitor {
   AlarmMoment Moment(double wall) const;
   Result<bool> CollectForLearning();
   Status CountNotJudged();
+  bool RefuseCollected();
   Result<bool> Commission(double wall);
   Status JudgeWithoutReference(std::int64_t end, double wall);
   bool IsOfLimit(const AlarmState& alarm) const;
@@ -165,7 +166,7 @@ class AxisMonitor {
     std::int64_t strokes = 0, needed = 0;
   };
   std::optional<Commissioning> recorded_;  ///< from the journal, until it is counted here
-  Told why_not_learned_;                   ///< commissioning ended without a reference, and why
+  Told why_not_learned_;                   ///< what commissioning collected last was refused, and why
   std::uint8_t suppressed_ = 0;            ///< by SetSuppression()
   /// By SetCommonCause(); until it is called alarms stay as the journal has them.
   std::optional<std::set<std::string>> common_cause_;

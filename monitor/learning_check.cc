@@ -8,8 +8,12 @@
 #include <cmath>
 #include <set>
 
+#include "core/told_error.h"
+#include "models/closed_loop.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "pipeline/doubtful_estimates.h"
+#include "pipeline/episodes.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_faults/usual_modulus.h"
 #include "pipeline/log_trust.h"
@@ -27,9 +31,10 @@ using Kind = LearningDoubt::Kind;
 constexpr std::int64_t kLooked = 200;
 constexpr std::int64_t kMostSummaries = 100'000;
 constexpr std::int64_t kStrokesWhoseRowsAreLookedAt = 20;
-constexpr std::array<const char*, 9> kDoubtNames = {"model_versions", "open_alarm",  "change",
-                                                    "implausible",    "too_slow",    "effect",
-                                                    "odd_strokes",    "unexplained", "not_explained"};
+constexpr std::int64_t kStrokesAtOnce = 4096;  ///< whose estimates are read
+constexpr std::array<const char*, 10> kDoubtNames = {
+    "model_versions", "open_alarm", "change",      "implausible", "reversed",
+    "too_slow",       "effect",     "odd_strokes", "unexplained", "not_explained"};
 
 std::vector<LearningDoubt> OfModelVersions(const Database& database, const HistoryPart& part) {
   const auto runs = database.Runs(part.id);
@@ -124,18 +129,57 @@ std::vector<LearningDoubt> OfOddStrokes(const StrokeHistory& history, const Expl
            fmt::format("{}", fmt::join(odd, ", ")))}};
 }
 
+/// What of a live run the raw window may still hold: its newest strokes within `part`.
+std::vector<StrokeSummary> NewestOf(const Database& database, const HistoryPart& part, const RunInfo& run) {
+  const std::int64_t last = std::min(part.last, run.first_sequence + run.strokes);
+  const std::int64_t first = std::max({part.first, run.first_sequence, last - kStrokesWhoseRowsAreLookedAt});
+  return database.SummariesOf(part.id, first, last, kLooked).value_or(std::vector<StrokeSummary>());
+}
+
 /// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they
 /// are not, or none are kept.
 Told SlowRowsKept(const Database& database, const std::string& path, const HistoryPart& part,
                   const RunInfo& run, const Machine& machine) {
-  const std::int64_t last = std::min(part.last, run.first_sequence + run.strokes);
-  const std::int64_t first = std::max({part.first, run.first_sequence, last - kStrokesWhoseRowsAreLookedAt});
-  const auto strokes = database.SummariesOf(part.id, first, last, kLooked);
-  if (!strokes || strokes->empty()) return {};
-  auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
+  const auto strokes = NewestOf(database, part, run);
+  if (strokes.empty()) return {};
+  auto rows = OpenRawRun(path, run.id, strokes.front().begin, strokes.back().end, machine);
   if (!rows) return {};
   const auto trust = JudgeRows(**rows, machine);
   return trust && !trust->rate.fast_enough ? trust->rate.sentence : Told{};
+}
+
+/// That a signal of a machine with states counts the other way round in these rows; "" if it does not, or none are kept.
+Told ReversedRowsKept(const Database& database, const std::string& path, const HistoryPart& part,
+                      const RunInfo& run, const Machine& machine) {
+  const auto strokes = NewestOf(database, part, run);
+  if (strokes.empty()) return {};
+  const std::string rows =
+      fmt::format("{}#{}/{}@={}:{}", path, part.machine.substr(part.machine.rfind('/') + 1), run.id,
+                  strokes.front().begin, strokes.back().end);
+  const Status signs = JudgeSigns(rows, machine);
+  return signs ? Told() : ToldOf(signs.error());
+}
+
+/// What the estimates of the last of these strokes say whose signals count the other way round.
+std::optional<LearningDoubt> OfReversed(const Database& database, const HistoryPart& part,
+                                        const Machine& machine) {
+  if (ClosedLoopOf(machine) == nullptr) return std::nullopt;
+  for (std::int64_t end = part.last; end > part.first; end -= kStrokesAtOnce) {
+    const auto trend = database.Trend(part.id, "", std::max(part.first, end - kStrokesAtOnce), end);
+    if (!trend) return std::nullopt;
+    std::vector<Estimate> of_one;
+    for (auto point = trend->rbegin(); point != trend->rend(); ++point) {
+      of_one.insert(of_one.begin(), point->estimate);
+      if (const auto before = std::next(point);
+          before != trend->rend() && before->sequence == point->sequence)
+        continue;
+      if (Told reversed = ReversedIn(machine, of_one); !reversed.empty())
+        return LearningDoubt{
+            .kind = Kind::kReversed, .text = std::move(reversed), .refused_to = point->sequence + 1};
+      of_one.clear();
+    }
+  }
+  return std::nullopt;
 }
 
 /// Whether the strokes' error grew by more than a model may err, at equal oil temperature where that was measured.
@@ -200,20 +244,25 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
   const auto sample = database.SummariesOf(part.id, part.first, part.last, kLooked);
   if (sample)
     if (const Status plausible = JudgeStrokes(path, machine, *sample); !plausible)
-      return LearningDoubt{Kind::kImplausible, {plausible.error().text, ""}};
+      return LearningDoubt{.kind = Kind::kImplausible, .text = ToldOf(plausible.error())};
+  if (auto reversed = OfReversed(database, part, machine)) return reversed;
   const auto runs = database.Runs(part.id);
   if (!runs) return std::nullopt;
   for (const RunInfo& run : *runs) {
     if (run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first) continue;
     const RunSummary summary = ParseRunSummary(run.summary_json);
-    if (!summary.impossible.empty())
-      return LearningDoubt{Kind::kImplausible, Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source,
-                                                    summary.impossible)};
-    const Told slow =
-        run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine) : Told(summary.too_slow);
-    if (!slow.empty())
-      return LearningDoubt{Kind::kTooSlow,
-                           Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source, slow)};
+    const auto refused = [&](Kind kind, const Told& why) {
+      return LearningDoubt{.kind = kind,
+                           .text = Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source, why),
+                           .refused_to = std::min(part.last, run.first_sequence + run.strokes)};
+    };
+    if (!summary.impossible.empty()) return refused(Kind::kImplausible, Told(summary.impossible));
+    const bool live = run.source == kLiveSource;
+    const Told slow = live ? SlowRowsKept(database, path, part, run, machine) : Told(summary.too_slow);
+    if (!slow.empty()) return refused(Kind::kTooSlow, slow);
+    if (!live || !KindOf(machine).has_states) continue;
+    if (const Told reversed = ReversedRowsKept(database, path, part, run, machine); !reversed.empty())
+      return refused(Kind::kReversed, reversed);
   }
   return std::nullopt;
 }

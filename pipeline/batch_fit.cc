@@ -116,9 +116,9 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
 namespace {
 
 /// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h). `period`: of the logs before, 0 = none.
-/// A log in which sensors turn out to end is read again, without their readings there.
+/// A log in which sensors turn out to end, or to have frozen, is read again, without their readings there.
 Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period,
-                           const std::vector<CutOff>& known = {}) {
+                           const LogPass* known = nullptr) {
   if (ClosedLoopOf(stated) != nullptr)
     return BadInput(Tell(
         "machine '{}': a {} is judged by its frequency response at the command line: `hydroscope frf LOG --machine FILE` measures "
@@ -137,11 +137,14 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   auto pipeline = TRY(Pipeline::Create(machine, reader->SamplePeriod(), collector.Sink()));
   pipeline->set_tap(collector.Tap());
   LogPassHooks hooks;
-  hooks.known_cut_offs = known;
+  if (known != nullptr) {
+    hooks.known_cut_offs = known->cut_offs;
+    hooks.known_frozen = known->frozen;
+  }
   const auto pass = TRY(PassLog(*reader, machine, pipeline.get(), "reading", hooks));
   if (!pass.summary.stopped.empty()) return BadInput("{}", pass.summary.stopped);
   if (!pass.no_verdict.empty()) return BadInput(Tell("{}: {}", "{}: {}", log, pass.no_verdict));
-  if (known.empty() && !pass.cut_offs.empty()) return ReadOne(log, stated, keep, period, pass.cut_offs);
+  if (known == nullptr && pass.WouldLeaveOutMore()) return ReadOne(log, stated, keep, period, &pass);
   LogStrokes out = collector.Finish(*pipeline);
   out.log_names = {std::filesystem::path(log).filename().string()};
   out.reader = reader->counters();
@@ -155,7 +158,8 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (const Told broken = BrokenUp(pass.channels, machine, std::ssize(out.strokes), out.discarded_strokes);
       !broken.empty())
     out.swapped.push_back(Tell("{}: {}", "{}: {}", log, broken));
-  for (const CutOff& cut : pass.cut_offs) out.notes.push_back(log + ": " + cut.text.english);
+  for (const Told& text : pass.outside_declared) out.notes.push_back(log + ": " + text.english);
+  for (const Told& text : pass.LeftOut(machine)) out.notes.push_back(log + ": " + text.english);
   out.stuck = StuckSignal(pass.summary, machine, *out.model);
   for (const Told& swapped : pass.swapped) out.swapped.push_back(Tell("{}: {}", "{}: {}", log, swapped));
   return out;
@@ -191,6 +195,7 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, K
 
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep) {
+  TRY(JudgeDistinct(logs));
   std::optional<LogStrokes> all;
   for (const std::string& log : logs) {
     auto next = ReadOne(log, machine, keep, all ? all->window.period : 0);

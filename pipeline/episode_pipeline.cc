@@ -50,6 +50,7 @@ EpisodePipeline::EpisodePipeline(std::shared_ptr<const ModelStructure> model, Ep
                                  const EpisodeFollowerOptions& following, WindowSamples window, double period,
                                  RecordSink sink)
     : Pipeline(std::move(model), window),
+      episode_model_(episodes.model),
       follower_(episodes.model, following),
       cutter_(episodes.model->machine(), std::move(episodes.signals), {.period = period},
               [this](Episode&& episode, const StrokeCounters& counters) { OnEpisode(episode, counters); }),
@@ -72,6 +73,7 @@ void EpisodePipeline::OnEpisode(const Episode& episode, const StrokeCounters& co
   record.gram = GramOf(followed);
   record.estimates = followed.estimates;
   parameters_ = follower_.parameters();
+  doubts_ = episode_model_->DoubtsOf(episode);
   sink_(std::move(record));
 }
 

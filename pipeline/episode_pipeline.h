@@ -27,6 +27,7 @@ class EpisodePipeline : public Pipeline {
   const Eigen::VectorXd& column_weights() const override { return parameters_; }
   double stroke_closed_for() const override { return cutter_.outside(); }
   std::int64_t discarded_strokes() const override { return cutter_.discarded(); }
+  std::vector<Told> doubts() const override { return doubts_; }
 
  private:
   /// How a machine is judged in episodes.
@@ -43,6 +44,7 @@ class EpisodePipeline : public Pipeline {
   void TakeConditions(const Episode& episode, StrokeSummary& summary);
   StrokeGram GramOf(const FollowedEpisode& followed) const;
 
+  std::shared_ptr<const EpisodeModel> episode_model_;
   EpisodeFollower follower_;
   EpisodeCutter cutter_;
   StrokeConditions conditions_;
@@ -50,6 +52,7 @@ class EpisodePipeline : public Pipeline {
   double period_;
   Eigen::VectorXd parameters_;
   std::int64_t episodes_ = 0;
+  std::vector<Told> doubts_;  ///< of the last one
 };
 
 }  // namespace hydroscope

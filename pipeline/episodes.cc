@@ -71,6 +71,9 @@ Result<SampleBlock> ReadRows(const std::string& log, const Machine& machine, Epi
   out.period = reader->SamplePeriod();
   for (const Told& text : {reader->counters().time_base, reader->counters().twins})
     if (!text.empty()) out.warnings.push_back(Tell("{}: {}", "{}: {}", log, text));
+  FlagFrozen(pass.frozen, rows);
+  for (const auto& texts : {pass.outside_declared, FrozenTexts(pass.frozen, machine)})
+    for (const Told& text : texts) out.warnings.push_back(Tell("{}: {}", "{}: {}", log, text));
   out.rows += static_cast<std::int64_t>(rows.time.size());
   out.pass = std::move(pass);
   return rows;
@@ -168,6 +171,7 @@ Status JudgeSignsOf(std::span<const Episode> episodes, const std::string& log, c
 }  // namespace
 
 Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
+  TRY(JudgeDistinct(logs));
   auto out = TRY(ReadWithAnySigns(logs, machine));
   const auto last = out.episodes.cend();
   for (auto first = out.episodes.cbegin(); first != last;) {

@@ -24,7 +24,7 @@ struct EpisodeLog {
 /// Reads logs. Rows without a good reading of an input end an episode, so do gaps, steps of the clock and changes of
 /// Machine::episode_marker; readings of outputs that are no good are left out. Long pieces are cut as [episodes] says. Readings
 /// that repeat or stand out count as good on inputs, which may rest and jump. Errors: a log cannot be read,
-/// readings of a size that no such machine has (a wrong unit), a signal that counts the other way round, no episode is left (says
+/// readings of a size that no such machine has (a wrong unit), a log given twice, a signal that counts the other way round, no episode is left (says
 /// why), a rate in [gate].
 Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine);
 

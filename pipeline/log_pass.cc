@@ -6,6 +6,7 @@
 #include "acquisition/repeated_rows.h"
 #include "acquisition/straight_runs.h"
 #include "host/output.h"
+#include "pipeline/log_faults/declared_range.h"
 #include "pipeline/log_faults/swapped_pressures.h"
 
 namespace hydroscope {
@@ -50,6 +51,12 @@ void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass
   }
 }
 
+std::vector<Told> LogPass::LeftOut(const Machine& machine) const {
+  std::vector<Told> texts = FrozenTexts(frozen, machine);
+  for (const CutOff& cut : cut_offs) texts.push_back(cut.text);
+  return texts;
+}
+
 Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
                         const std::string& what, const LogPassHooks& hooks) {
   LogPass pass;
@@ -62,21 +69,27 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   }
   ReadingFaults faults(machine, reader.SamplePeriod());
   SwappedPressures swapped(machine);
+  DeclaredRanges declared(machine);
   std::optional<SaturatedPressures> saturated;
+  std::optional<FrozenPressures> frozen;
+  if (hooks.distrust_logger && hooks.known_frozen.empty()) frozen.emplace(machine);
   if (hooks.distrust_logger && hooks.known_cut_offs.empty()) saturated.emplace(machine);
   const auto judge = [&](SampleBlock& block) {
+    FlagFrozen(hooks.known_frozen, block);
     if (straight) straight->Inspect(block);
     monitor.Inspect(block);
   };
   const auto pass_on = [&](const SampleBlock& block) {
     faults.Observe(block, monitor.channels());
+    if (frozen) frozen->Observe(block, monitor.channels());
     swapped.Observe(block);
+    declared.Observe(block);
     if (saturated) saturated->Observe(block);
     return PassBlock(block, pipeline, hooks);
   };
   ProgressBar progress(what, "rows");
   SampleBlock block;
-  for (;;) {
+  while (reader.counters().rows < hooks.most_rows) {
     const auto rows = reader.Read(block, kRowsPerBlock);
     if (!rows) {
       pass.summary.stopped = rows.error().text;
@@ -107,6 +120,8 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   pass.no_verdict = faults.NoVerdict();
   pass.echoes = faults.Echoes();
   pass.swapped = swapped.Sentences();
+  pass.outside_declared = declared.Sentences();
+  pass.frozen = frozen ? frozen->Found() : hooks.known_frozen;
   pass.cut_offs = hooks.known_cut_offs;
   if (pass.cut_offs.empty()) pass.cut_offs = CutOffsOf(pass.channels, machine);
   if (saturated)

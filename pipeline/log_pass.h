@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
 #include "pipeline/log_faults/cut_off.h"
+#include "pipeline/log_faults/frozen_pressure.h"
 #include "pipeline/log_faults/reading_faults.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/run_summary.h"
@@ -20,8 +23,15 @@ struct LogPass {
   std::int64_t copied_rows = 0;          ///< flagged as repeating earlier ones (acquisition/repeated_rows.h)
   Told no_verdict;                       ///< ReadingFaults::NoVerdict
   std::vector<ReadingFaults::Echo> echoes;
-  std::vector<Told> swapped;     ///< SwappedPressures::Sentences
-  std::vector<CutOff> cut_offs;  ///< those that were known, else those seen
+  std::vector<Told> swapped;           ///< SwappedPressures::Sentences
+  std::vector<Told> outside_declared;  ///< DeclaredRanges::Sentences
+  std::vector<CutOff> cut_offs;        ///< those that were known, else those seen
+  std::vector<FrozenStretch> frozen;   ///< the same
+
+  /// Whether a pass that knows of these would leave out more readings.
+  bool WouldLeaveOutMore() const { return !cut_offs.empty() || !frozen.empty(); }
+  /// Sentences on cut-off and frozen readings.
+  std::vector<Told> LeftOut(const Machine& machine) const;
 };
 
 struct LogPassHooks {
@@ -34,6 +44,8 @@ struct LogPassHooks {
   bool distrust_logger = true;
   /// Of an earlier pass over the same log: readings beyond are flagged from the first one on.
   std::vector<CutOff> known_cut_offs;
+  std::vector<FrozenStretch> known_frozen;                            ///< the same, flagged kStuck
+  std::int64_t most_rows = std::numeric_limits<std::int64_t>::max();  ///< the pass ends behind these
 };
 
 /// What the monitor saw of each channel, into pass.channels and the summary.

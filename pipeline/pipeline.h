@@ -7,6 +7,7 @@
 #include "core/records/sample_block.h"
 #include "core/records/stroke_record.h"
 #include "core/result.h"
+#include "core/told.h"
 #include "estimation/span_equations.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
@@ -46,6 +47,8 @@ class Pipeline {
   /// s for which the stroke under way has been outside the gate; it is over after GateSpec::stroke_gap.
   virtual double stroke_closed_for() const = 0;
   virtual std::int64_t discarded_strokes() const = 0;
+  /// What makes doubtful what the stroke handed over last says (EpisodeModel::DoubtsOf).
+  virtual std::vector<Told> doubts() const { return {}; }
 
  protected:
   Pipeline(std::shared_ptr<const ModelStructure> model, WindowSamples window)

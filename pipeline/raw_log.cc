@@ -6,8 +6,10 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "core/finite_number.h"
+#include "core/told_error.h"
 #include "pipeline/axis_log.h"
 #include "replay/resampled_reader.h"
 
@@ -226,6 +228,22 @@ Result<LogFingerprint> FingerprintRecording(const std::string& log) {
   }
   print.middle = crc(crc(0, name->from.value_or(0)), name->to.value_or(0));
   return print;
+}
+
+Status JudgeDistinct(const std::vector<std::string>& logs) {
+  std::map<std::string, std::string> known;  // by what is in it, and the axis
+  for (const std::string& log : logs) {
+    const auto print = FingerprintRecording(log);
+    if (!print) continue;  // who reads it says why
+    const auto axis = ParseAxisLog(log);
+    const auto [same, first_time] = known.try_emplace(print->Text() + "#" + (axis ? axis->axis : ""), log);
+    if (!first_time)
+      return BadInput(
+          Tell("{}: the same recording as {}; its rows would count twice, give it once",
+               "{}: dieselbe Aufzeichnung wie {}; ihre Zeilen würden doppelt zählen, sie nur einmal angeben",
+               log, same->second));
+  }
+  return {};
 }
 
 }  // namespace hydroscope

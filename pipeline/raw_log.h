@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/log_fingerprint.h"
 #include "replay/log_reader.h"
@@ -43,5 +44,7 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
                                                  double period, std::string& note);
 /// Fingerprint of either.
 Result<LogFingerprint> FingerprintRecording(const std::string& log);
+/// Error where two of these hold the same rows: taken together they would count twice, and intervals come out too narrow.
+Status JudgeDistinct(const std::vector<std::string>& logs);
 
 }  // namespace hydroscope

@@ -25,6 +25,7 @@
 #include "review/replay_report.h"
 #include "review/stored_explanation.h"
 #include "workbench/explain/explain_log.h"
+#include "workbench/frequency_response/loop_log.h"
 #include "workbench/history/stored_change.h"
 #include "workbench/model/model_record.h"
 
@@ -32,6 +33,8 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kStrokesPerTransaction = 32;
+/// Rows that are read before for where sensors end, some 0.02 s: logs are seldom longer, and in those that are they end soon.
+constexpr std::int64_t kRowsLookedAt = 1 << 17;
 constexpr double kAnyPeriod = 0.002;  // s; the layout of the state does not depend on it
 
 /// Magic, version and dimensions that a state of this program begins with.
@@ -39,6 +42,13 @@ std::string StateLayout(const Pipeline& pipeline) {
   constexpr std::size_t kHeader = 16;
   const std::vector<std::uint8_t> state = pipeline.SaveState();
   return std::string(state.begin(), state.begin() + std::min(kHeader, state.size()));
+}
+
+/// What keeps a part of the input of a machine in closed loop from plant or log; nothing of other machines.
+std::vector<Told> InputDoubts(const std::string& log, const Machine& machine) {
+  if (ClosedLoopOf(machine) == nullptr) return {};
+  const auto measured = MeasureLoopLog(log, machine);
+  return measured ? InputDoubtsOf(*ClosedLoopOf(machine), measured->response) : std::vector<Told>();
 }
 
 }  // namespace
@@ -193,6 +203,22 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
   return replay;
 }
 
+/// What a look at the beginning of a log leaves out of it: readings where sensors turn out to end or to have frozen, from the first
+/// one on. Sensors that end later are seen while it is replayed.
+LogPassHooks AxisReplay::KnownOf(const std::string& log) const {
+  LogPassHooks known;
+  std::string note;
+  auto reader = Open(log, note);
+  if (!reader) return known;
+  LogPassHooks look;
+  look.most_rows = kRowsLookedAt;
+  if (auto pass = PassLog(**reader, machine_, nullptr, "looking at the signals", look)) {
+    known.known_cut_offs = std::move(pass->cut_offs);
+    known.known_frozen = std::move(pass->frozen);
+  }
+  return known;
+}
+
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::int64_t silent = 0;  // episodes that tell of no parameter
@@ -225,7 +251,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
     batch.clear();
     return stored;
   };
-  LogPassHooks hooks;
+  LogPassHooks hooks = KnownOf(replay.log);
   hooks.after_block = [&] { return store(kStrokesPerTransaction); };
   auto pass = TRY(PassLog(reader, machine_, &pipeline, what, hooks));
   TRY(store(1));
@@ -239,18 +265,23 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.swapped.empty() ? pass.no_verdict.english : pass.swapped.front().english;
+  for (const Told& text : pass.outside_declared) replay.summary.warnings.push_back(text.english);
   for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);
   for (const Told& swapped : pass.swapped) replay.summary.warnings.push_back(swapped.english);
-  for (const CutOff& cut : pass.cut_offs) {
-    replay.summary.warnings.push_back(cut.text.english);
-    // Seen only when the log was over.
-    if (cut.narrow && replay.summary.impossible.empty()) replay.summary.impossible = cut.text.english;
-  }
+  for (const Told& text : pass.LeftOut(machine_)) replay.summary.warnings.push_back(text.english);
+  // Seen only when the log was over.
+  const auto late = std::ranges::find(pass.cut_offs, true, &CutOff::narrow);
+  if (hooks.known_cut_offs.empty() && late != pass.cut_offs.end() && replay.summary.impossible.empty())
+    replay.summary.impossible = late->text.english;
+  if (hooks.known_frozen.empty() && !pass.frozen.empty() && replay.summary.impossible.empty())
+    replay.summary.impossible = FrozenTexts(pass.frozen, machine_).front().english;
   if (!reversed.empty()) {
     replay.summary.warnings.push_back(reversed.english);
     if (replay.summary.impossible.empty()) replay.summary.impossible = reversed.english;
   }
+  for (const Told& doubt : InputDoubts(replay.log, machine_))
+    replay.summary.warnings.push_back(doubt.english);
   if (silent > 0 && InEpisodes(KindOf(machine_)))
     replay.summary.warnings.push_back(
         fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,
@@ -295,7 +326,8 @@ Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
   collector.emplace(*pipeline, machine_);
   const auto state = TRY(database_.PipelineStateBefore(last->run.id));
   if (state) static_cast<void>(pipeline->RestoreState(*state));  // as the run itself: anew if it does not fit
-  const auto pass = TRY(PassLog(*reader, machine_, pipeline.get(), "overlay for the report"));
+  const auto pass =
+      TRY(PassLog(*reader, machine_, pipeline.get(), "overlay for the report", KnownOf(last->log)));
   Take(*collector, *last);
   return {};
 }

@@ -8,6 +8,7 @@
 #include "pipeline/axis_log.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/log_fingerprint.h"
+#include "pipeline/log_pass.h"
 #include "pipeline/stroke_overlays.h"
 #include "review/replay_runner.h"
 
@@ -40,6 +41,7 @@ class AxisReplay {
   bool IsOfEarlierModel(const std::string& settings) const;
   Result<std::unique_ptr<LogReader>> Open(const std::string& log, std::string& note) const;
   LogReplay ReplayLog(const std::string& log, const std::string& count);
+  LogPassHooks KnownOf(const std::string& log) const;
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
   bool ShowsStretches() const;

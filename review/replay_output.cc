@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/contains.h"
 #include "core/counted_words.h"
 #include "core/interval_text.h"
 #include "core/json_value.h"
@@ -67,6 +68,12 @@ std::string LogTable(const ReplayOutcome& outcome) {
   return text;
 }
 
+/// Whether a note on one of the logs says so.
+bool IsNoted(const ReplayOutcome& outcome, const std::string& sentence) {
+  return std::ranges::any_of(outcome.logs,
+                             [&](const LogReplay& log) { return Contains(log.notes, sentence); });
+}
+
 std::string Troubles(const ReplayOutcome& outcome) {
   std::string text;
   for (const LogReplay& r : outcome.logs) {
@@ -117,7 +124,8 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                         : e.reason == EstimateReason::kUpdated ? ""
                                                                : fmt::format(" {}", ReasonText(e.reason)));
   }
-  for (const Told& unusual : outcome.stated.unusual) text += fmt::format("WARNING: {}\n", unusual.english);
+  for (const Told& unusual : outcome.stated.unusual)
+    if (!IsNoted(outcome, unusual.english)) text += fmt::format("WARNING: {}\n", unusual.english);
   for (const AssumedTolerance& assumed : outcome.stated.assumed) text += AssumedText(assumed) + "\n";
   const DisplayUnit unit = UnitOfErrors(outcome.machine);
   if (outcome.stated.figures.clusters.unit != ClusterUnit::kStroke)

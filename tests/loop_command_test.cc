@@ -1,7 +1,11 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "tests/command_line_fixture.h"
@@ -23,6 +27,29 @@ class LoopCommand : public CommandLine {
     words.insert(words.end(), more.begin(), more.end());
     const Ran ran = Run(words);
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  }
+
+  /// A copy of a log with other readings of I_v, in mA.
+  void ReplaceCurrent(const std::string& from, const std::string& to,
+                      const std::function<double(double)>& read) {
+    std::istringstream rows(ReadText(File(from)));
+    std::string row, text;
+    std::getline(rows, row);
+    ASSERT_EQ(row.substr(0, 12), "t,z_set,I_v,");
+    for (text = row + "\n"; std::getline(rows, row); text += row + "\n") {
+      const std::size_t begin = row.find(',', row.find(',') + 1) + 1, end = row.find(',', begin);
+      row.replace(begin, end - begin, fmt::format("{:.6g}", read(std::stod(row.substr(begin, end - begin)))));
+    }
+    WriteText(File(to), text);
+  }
+  static std::string InOneLine(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+      if (c != '\n' && c != ' ')
+        out += c;
+      else if (!out.ends_with(' '))
+        out += ' ';
+    return out;
   }
 
   const std::string machine_ = std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/test_cylinder.toml";
@@ -108,6 +135,36 @@ TEST_F(LoopCommand, AReversedPositionIsToldAndNotCompared) {
               HasSubstr("z or I_v is reversed: K_sv has the other sign than that of the machine file"));
   EXPECT_THAT(Run({"replay", File("c.csv"), "-m", File("reversed.toml"), "--db", File("c.db")}).out,
               HasSubstr("z or I_v is reversed"));
+}
+
+TEST_F(LoopCommand, ACurrentWhoseReadingsEndIsToldByEveryCommand) {
+  SimulateLoop("c.csv", {"--seconds", "20", "--sample-period", "1e-3"});
+  ReplaceCurrent("c.csv", "cut.csv",
+                 [](double milliamperes) { return std::clamp(milliamperes, -12.0, 12.0); });
+  const std::string log = File("cut.csv"), db = File("cut.db");
+  for (const auto& words :
+       std::vector<std::vector<std::string>>{{"check", log, "-m", machine_},
+                                             {"frf", log, "-m", machine_},
+                                             {"explain", log, "-m", machine_},
+                                             {"replay", log, "-m", machine_, "--db", db},
+                                             {"trends", "--db", db},
+                                             {"report", "--db", db, "--out", File("r.html")}})
+    EXPECT_THAT(InOneLine(Run(words).out + ReadText(File("r.html"))),
+                HasSubstr("I_v never reads more than 0.012 A"))
+        << words[0];
+  EXPECT_THAT(Run({"check", File("c.csv"), "-m", machine_}).out, Not(HasSubstr("never reads more")));
+}
+
+TEST_F(LoopCommand, ADeadBandIsToldByCheckAndReplay) {
+  SimulateLoop("c.csv", {"--seconds", "40", "--sample-period", "1e-3"});
+  // What the log says was commanded is the valve's input and a band beside it.
+  ReplaceCurrent("c.csv", "band.csv",
+                 [](double milliamperes) { return milliamperes + std::copysign(3.0, milliamperes); });
+  const std::string log = File("band.csv");
+  EXPECT_THAT(InOneLine(Run({"check", log, "-m", machine_}).out),
+              HasSubstr("as with a dead band of 0.003 A"));
+  EXPECT_THAT(InOneLine(Run({"replay", log, "-m", machine_, "--db", File("band.db")}).out),
+              HasSubstr("as with a dead band of 0.003 A"));
 }
 
 TEST_F(LoopCommand, AWrongUnitIsRefusedAsByReplay) {

@@ -50,6 +50,8 @@ TEST_F(OddStoredStrokes, AStretchThatDiffersIsToldByCompare) {
       Run({"replay", before, leaks, after, "-m", kMachine, "--db", File("came.db"), "--quiet"}).exit_code, 0);
   const auto compared = Run({"compare", "--db", File("came.db"), "--json", "-"}).Json();
   EXPECT_THAT(compared.at("warnings").dump(), testing::HasSubstr("hold a stretch that differs"));
+  EXPECT_THAT(compared.at("warnings").dump(), testing::Not(testing::HasSubstr("y_0")))
+      << "a leak, as `explain` says, and no other spool";
 }
 
 }  // namespace

@@ -58,6 +58,8 @@ TEST_F(SaturatedSensor, IsNoLossOfOil) {
     EXPECT_THAT(checked, AllOf(HasSubstr("saturat"), HasSubstr("out_of_range"))) << noise_behind;
     const Ran replayed = Run({"replay", log, "-m", kMachine, "--db", File("cut.db")});
     EXPECT_THAT(OneLine(replayed.out), HasSubstr("saturat")) << noise_behind;
+    EXPECT_THAT(OneLine(Run({"explain", "--db", File("cut.db")}).out), HasSubstr("ADEQUATE"))
+        << noise_behind << ": replayed without these readings, as the log is explained";
     std::filesystem::remove(File("cut.db"));
   }
 }

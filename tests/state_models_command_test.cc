@@ -233,5 +233,41 @@ pump = { start = 0.1, min = 0.01, max = 2 }
   EXPECT_THAT(explained, testing::Not(testing::HasSubstr("What to record, best first")));
 }
 
+/// A force in kN that the machine file takes for N: the mass comes out a thousand times too small, and describes the log.
+TEST_F(StateModels, ARangeThatReadingsHardlyFillIsToldByEveryCommandThatConcludes) {
+  WriteText(File("mass.toml"), R"toml(
+[machine]
+name = "mass"
+model = "states"
+[log]
+time = { column = "t", unit = "s" }
+[signals]
+F = { column = "F", unit = "N", min = -3, max = 3 }
+x = { column = "x", unit = "m" }
+[states]
+X = { ddt = "V" }
+V = { ddt = "F/m" }
+[outputs]
+x = "X"
+[parameters]
+m = { start = 0.001, min = 0.0001, max = 10 }
+)toml");
+  std::string log = "t,F,x\n";
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.01 * k;
+    log += fmt::format("{:.2f},{:.6g},{:.6g}\n", t, -1e-3 * (std::sin(t) + std::sin(2.7 * t)),
+                       std::sin(t) + std::sin(2.7 * t) / 7.29 + 1e-3 * noise(random));
+  }
+  WriteText(File("mass.csv"), log);
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"check", File("mass.csv"), "-m", File("mass.toml"), "--json", "-"},
+           {"fit", File("mass.csv"), "-m", File("mass.toml"), "--json", "-"},
+           {"explain", File("mass.csv"), "-m", File("mass.toml"), "--json", "-"},
+           {"replay", File("mass.csv"), "-m", File("mass.toml"), "--db", File("m.db"), "--json", "-"}})
+    EXPECT_THAT(Run(words).out, testing::HasSubstr("They look like kN: set unit")) << words[0];
+}
+
 }  // namespace
 }  // namespace hydroscope::command_line_test

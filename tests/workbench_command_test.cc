@@ -129,5 +129,19 @@ TEST_F(Workbench, BadInputIsThreeAndNamed) {
   }
 }
 
+/// Its rows would count twice, and every interval come out by a root of two too narrow.
+TEST_F(Workbench, ALogThatIsGivenTwiceIsRefused) {
+  const std::string log = Simulate("once.csv", 20, 3), copy = File("copy.csv");
+  std::filesystem::copy_file(log, copy);
+  for (const char* command : {"fit", "compare", "explain"}) {
+    const Ran ran = Run({command, log, copy, "-m", kMachine});
+    EXPECT_EQ(ran.exit_code, 3) << command;
+    EXPECT_THAT(ran.err, AllOf(HasSubstr("copy.csv: the same recording as"), HasSubstr("once.csv")))
+        << command;
+  }
+  EXPECT_THAT(Run({"fit", log, copy, "-m", kMachine, "--hold-out", "copy.csv"}).err,
+              HasSubstr("the same recording as"));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -4,6 +4,8 @@
 
 #include "core/constants.h"
 #include "core/contains.h"
+#include "estimation/closed_loop/loop_episodes.h"
+#include "estimation/closed_loop/reversal.h"
 #include "host/work_line.h"
 #include "models/closed_loop.h"
 #include "models/doubled_signals.h"
@@ -18,6 +20,7 @@
 #include "pipeline/time_stamps.h"
 #include "replay/log_reader.h"
 #include "workbench/fit_log.h"
+#include "workbench/frequency_response/loop_log.h"
 #include "workbench/identifiability.h"
 #include "workbench/plausibility.h"
 #include "workbench/states/states_log.h"
@@ -176,9 +179,26 @@ std::string NoResponse(const CheckResult& check) {
   return {};
 }
 
-/// `known`: where sensors end, of an earlier look at the same log.
-Result<CheckResult> LookAt(const std::string& log, const Machine& machine,
-                           const std::vector<CutOff>& known = {});
+/// Of a machine in closed loop, what makes the figures of its response doubtful, or why there is none.
+void TakeResponse(const std::string& log, CheckResult& check, std::vector<Told>& doubts) {
+  const ClosedLoopPlant* const plant = ClosedLoopOf(check.machine);
+  if (plant == nullptr || !check.no_fit.empty()) return;
+  const auto measured = MeasureLoopLog(log, check.machine);
+  if (!measured) {
+    check.no_fit = measured.error().text;
+    return;
+  }
+  const LoopResponse& response = measured->response;
+  check.no_fit = response.no_fit.english;
+  doubts = NonlinearInputTexts(*plant, response);
+  if (response.input_limit) doubts.push_back(InputLimitText(*plant, *response.input_limit));
+  if (!response.fit) return;
+  Told reversed = ReversedSignal(*plant, response.fit->parameters, ReferencesOf(check.machine));
+  if (!reversed.empty()) doubts.push_back(std::move(reversed));
+}
+
+/// `known`: an earlier pass over the same log, that found readings to leave out.
+Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const LogPass* known = nullptr);
 
 }  // namespace
 
@@ -200,7 +220,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
 
 namespace {
 
-Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const std::vector<CutOff>& known) {
+Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const LogPass* known) {
   auto reader = TRY(OpenRecording(log, machine));
   CheckResult check;
   check.log = log;
@@ -224,7 +244,10 @@ Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const
   SignalSurvey survey(check.machine, check.sample_period);
   const std::vector<std::size_t> inputs = StateInputs(check.machine);
   LogPassHooks hooks;
-  hooks.known_cut_offs = known;
+  if (known != nullptr) {
+    hooks.known_cut_offs = known->cut_offs;
+    hooks.known_frozen = known->frozen;
+  }
   hooks.observe = [&](const SampleBlock& block) {
     survey.Observe(inputs.empty() ? block : AsEpisodesTake(block, inputs));
   };
@@ -232,7 +255,7 @@ Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const
   if (pass.summary.rows == 0)
     return BadInput("{}: no row could be read{}{}", log, pass.summary.stopped.empty() ? "" : ": ",
                     pass.summary.stopped);
-  if (known.empty() && !pass.cut_offs.empty() && pipeline) return LookAt(log, machine, pass.cut_offs);
+  if (known == nullptr && pass.WouldLeaveOutMore() && pipeline) return LookAt(log, machine, &pass);
   check.pass = std::move(pass);
   CountAsEpisodesTake(inputs, check);
   check.time = survey.time();
@@ -261,11 +284,15 @@ Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
   } else {
-    if (KindOf(machine).has_states)
+    std::vector<Told> of_response;
+    if (KindOf(machine).has_states) {
       TakeStatesFit(log, check);
-    else
+    } else {
       check.no_fit = NoResponse(check);
+      TakeResponse(log, check, of_response);
+    }
     check.hints = PlausibilityHints(check);
+    check.hints.insert(check.hints.end(), of_response.begin(), of_response.end());
   }
   for (const DoubledSignals& doubled : DoubledSignalsOf(check.machine))
     check.hints.insert(check.hints.begin(), doubled.text);

@@ -12,6 +12,7 @@
 #include "core/told_error.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/sample_grams.h"
+#include "pipeline/raw_log.h"
 
 namespace hydroscope {
 
@@ -27,6 +28,9 @@ Result<LogChoice> ChooseLogs(const std::vector<std::string>& logs, const std::st
   if (count == 1) out.held_out = *std::ranges::find_if(logs, is_meant);
   std::erase_if(out.fitted, is_meant);
   if (out.fitted.empty()) return UsageError("--hold-out {}: no other log is left to fit to", hold_out);
+  std::vector<std::string> all = out.fitted;
+  all.push_back(out.held_out);
+  TRY(JudgeDistinct(all));
   return out;
 }
 

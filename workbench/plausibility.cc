@@ -15,8 +15,6 @@ namespace {
 constexpr double kHardlyEver = 0.01;  // share of rows: so few are as good as none
 // Share of rows in which a mirrored condition would hold, to be advised.
 constexpr double kOftenEnough = 0.05;
-// Share of a declared range that readings reach: a factor of 1000 between units shows at whatever use a machine makes of it.
-constexpr double kLeastOfRange = 1.0 / 500, kMostOfRange = 100;
 
 /// What a quantity on a hydraulic machine looks like; `measure` of a signal lies between `low` and `high`, SI.
 struct Expectation {
@@ -102,13 +100,6 @@ std::optional<Expectation> ExpectationFor(const Machine& machine, const SignalSp
   return std::nullopt;
 }
 
-/// Whether the machine's kind tells what size a signal has.
-bool IsSizeKnown(const Machine& machine, const SignalSpec& spec) {
-  return std::ranges::any_of(KindOf(machine).signals, [&](const MachineInput& input) {
-    return input.name == spec.name && input.size.has_value();
-  });
-}
-
 /// The unit in which the column's numbers would look right, if any.
 std::optional<std::string> BetterUnit(const Expectation& expected, const CheckedSignal& signal,
                                       const Unit& unit) {
@@ -141,39 +132,6 @@ void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<
       better ? Tell(". They look like {}: set unit = \"{}\"", ". Sie sehen nach {} aus: unit = \"{}\" setzen",
                     *better, *better)
              : Told{}));
-}
-
-/// The unit of which the readings would fill the range that the machine file declares, if any.
-std::string UnitThatFills(const CheckedSignal& signal, const Unit& unit, double largest, double declared) {
-  for (const std::string& name : UnitNames()) {
-    const auto other = FindUnit(name);
-    if (!other || name == signal.spec.unit || other->si != unit.si || other->offset != 0) continue;
-    const double share = largest / unit.scale * other->scale / declared;
-    if (share > kLeastOfRange && share <= 1) return name;
-  }
-  return {};
-}
-
-/// Readings that are hundreds of times smaller or larger than the range that the machine file declares, of signals that nothing else
-/// tells the size of: a wrong unit or scale. Such a range is that of a sensor, and a machine at work uses more of it.
-void JudgeDeclaredRange(const CheckedSignal& signal, std::vector<Told>& hints) {
-  const SignalSpec& spec = signal.spec;
-  const auto unit = FindUnit(spec.unit);
-  if (!unit || unit->offset != 0 || !signal.range.seen() || !spec.min || !spec.max) return;
-  const double declared = std::max(std::abs(*spec.min), std::abs(*spec.max)),
-               largest = std::max(std::abs(signal.range.min), std::abs(signal.range.max));
-  if (!(declared > 0) || !(largest > 0) || !(signal.range.max > signal.range.min)) return;
-  const double share = largest / declared;
-  if (share >= kLeastOfRange && share <= kMostOfRange) return;
-  const std::string better = UnitThatFills(signal, *unit, largest, declared);
-  hints.push_back(Tell(
-      "{} (column {}): the readings reach {:.2g} {}, min and max of the machine file {:.2g} {}: look at its unit and scale{}",
-      "{} (Spalte {}): die Werte reichen bis {:.2g} {}, min und max der Maschinendatei bis {:.2g} {}: Einheit und Skalierung "
-      "prüfen{}",
-      spec.name, spec.column, largest / unit->scale, spec.unit, declared / unit->scale, spec.unit,
-      better.empty() ? Told{}
-                     : Tell(". They look like {}: set unit = \"{}\"",
-                            ". Sie sehen nach {} aus: unit = \"{}\" setzen", better, better)));
 }
 
 void JudgeRest(const CheckedSignal& signal, std::vector<Told>& hints) {
@@ -209,11 +167,13 @@ void JudgeDrawn(const CheckResult& check, std::vector<Told>& hints) {
           channel.name, drawn));
 }
 
-void JudgeFaults(const LogPass& pass, std::vector<Told>& hints) {
+void JudgeFaults(const LogPass& pass, const Machine& machine, std::vector<Told>& hints) {
+  hints.insert(hints.end(), pass.outside_declared.begin(), pass.outside_declared.end());
   if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
   for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
   hints.insert(hints.end(), pass.swapped.begin(), pass.swapped.end());
-  for (const CutOff& cut : pass.cut_offs) hints.push_back(cut.text);
+  const std::vector<Told> left_out = pass.LeftOut(machine);
+  hints.insert(hints.end(), left_out.begin(), left_out.end());
 }
 
 /// Without strokes, a signal that is hardly ever good explains more than the gate.
@@ -288,13 +248,12 @@ std::vector<Told> PlausibilityHints(const CheckResult& check) {
   for (const CheckedSignal& signal : check.signals) {
     if (!signal.present) continue;
     if (of_strokes && check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);
-    if (!IsSizeKnown(check.machine, signal.spec)) JudgeDeclaredRange(signal, hints);
     JudgeRest(signal, hints);
     if (of_strokes) JudgeGood(check, signal, hints);
   }
   JudgeCopies(check, hints);
   JudgeDrawn(check, hints);
-  JudgeFaults(check.pass, hints);
+  JudgeFaults(check.pass, check.machine, hints);
   if (of_strokes) JudgeGate(check, hints);
   JudgeVariety(check.driving, hints);
   return hints;

@@ -61,22 +61,6 @@ TEST(Plausibility, RightUnitsGiveNoHint) {
   EXPECT_THAT(InEnglish(PlausibilityHints(With("T_oil", "degC", 300, 330))), IsEmpty());
 }
 
-/// A current of a machine of one's own, whose sensor the machine file gives a range of 50 mA.
-std::vector<std::string> OfCurrent(const std::string& unit, double largest) {
-  CheckResult check = With("current", unit, -largest, largest);
-  check.machine.model = "states";
-  check.signals[0].spec.min = -0.05;
-  check.signals[0].spec.max = 0.05;
-  return InEnglish(PlausibilityHints(check));
-}
-
-TEST(Plausibility, ReadingsThatFillAThousandthOfTheirRangeOrAThousandOfThemAreInAnotherUnit) {
-  EXPECT_THAT(OfCurrent("mA", 0.02), IsEmpty());
-  EXPECT_THAT(OfCurrent("mA", 0.001), IsEmpty()) << "it is hardly used";
-  EXPECT_THAT(OfCurrent("mA", 2e-5), ElementsAre(HasSubstr("They look like A: set unit = \"A\"")));
-  EXPECT_THAT(OfCurrent("A", 20), ElementsAre(HasSubstr("They look like mA: set unit = \"mA\"")));
-}
-
 TEST(Plausibility, ASignalWithoutGoodReadingsExplainsWhyThereIsNoStroke) {
   CheckResult check = With("p_A", "Pa", 1e5, 210e5);
   check.driving.strokes = 0;

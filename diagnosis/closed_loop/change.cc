@@ -267,7 +267,7 @@ const char* VerdictName(LoopComparison::Verdict verdict) {
 }
 
 LoopState StateOf(const LoopResponse& response) {
-  LoopState state{*response.fit, response.input_limit, response.dead_band, response.readings_end};
+  LoopState state{*response.fit, response};
   state.covariance *= response.fit->Widening() * response.fit->Widening();
   return state;
 }
@@ -289,7 +289,7 @@ LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& 
   for (int way = 0; poles_known && way < plant.ways; ++way) {
     const auto other = SharedOut(plant, after, way);
     if (!other || !KnownOneByOne(plant, *other)) continue;
-    LoopComparison compared = CompareOneWay(plant, before, {*other, after.input_limit}, options);
+    LoopComparison compared = CompareOneWay(plant, before, {*other, after}, options);
     if (Simpler(compared, comparison)) comparison = std::move(compared);
   }
   comparison.limit_appeared = after.input_limit && !before.input_limit;

@@ -11,10 +11,7 @@
 namespace hydroscope {
 
 /// A plant in closed loop as one record gives it.
-struct LoopState : LoopEstimate {
-  std::optional<double> input_limit;  ///< SI, beyond which the input does not reach the plant
-  std::optional<double> dead_band = {}, readings_end = {};  ///< as LoopResponse
-};
+struct LoopState : LoopEstimate, InputRange {};
 
 /// As a response with a fit has it, its errors as wide as its intervals (TransferFit::Widening).
 LoopState StateOf(const LoopResponse& response);

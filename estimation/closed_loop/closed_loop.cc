@@ -14,8 +14,6 @@
 namespace hydroscope {
 namespace {
 
-// Coherence of set point and output at the bins that a limit is sought in.
-constexpr double kLeastOfLimit = 0.3;
 constexpr double kNormal99 = 2.5758293035489004;
 constexpr std::size_t kFewestOfOctave = 4;
 
@@ -138,27 +136,6 @@ void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, c
         response.seconds, response.needed_for, response.seconds_needed));
 }
 
-/// What makes figures go with the size of the excitation.
-void TakeNonlinear(const ClosedLoopPlant& plant, LoopResponse& response) {
-  if (response.dead_band)
-    response.warnings.push_back(Tell(
-        "small inputs move {} by a smaller share than large ones, as with a dead band of {:.2g} {} of {}: overlap of the valve, "
-        "or friction that does not grow with speed. Gain and damping then hold at this excitation alone; measure at half and "
-        "at twice of it, friction changes the damping more than the gain",
-        "kleine Eingänge bewegen {} um einen kleineren Anteil als große, wie bei einem Totband von {:.2g} {} von {}: "
-        "Überdeckung des Ventils, oder Reibung, die nicht mit der Geschwindigkeit wächst. Verstärkung und Dämpfung gelten "
-        "dann nur bei dieser Anregung; bei der halben und der doppelten messen, Reibung ändert die Dämpfung mehr als die "
-        "Verstärkung",
-        plant.output, *response.dead_band, plant.input_unit, plant.input));
-  if (response.readings_end)
-    response.warnings.push_back(Tell(
-        "{} never reads more than {:.3g} {}, and often exactly that: where the controller ends there all is well; where the "
-        "logger or the amplifier's monitor does, the valve gets more and the gain comes out too high. Excite less",
-        "{} zeigt nie mehr als {:.3g} {} und oft genau das: endet der Regler dort, ist alles gut; endet dort der Logger oder "
-        "der Messausgang des Verstärkers, bekommt das Ventil mehr, und die Verstärkung kommt zu groß heraus. Weniger anregen",
-        plant.input, *response.readings_end, plant.input_unit));
-}
-
 }  // namespace
 
 Status LoopOptions::Validate() const {
@@ -183,21 +160,14 @@ Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const Tran
         model.plant->set_point, model.plant->input, used.size(), kFewestBinsOfSetPoint));
 
   LoopResponse response;
-  std::vector<std::size_t> loud;
-  for (const std::size_t bin : used)
-    if (spectra->bins[bin].CoherenceOfOutput() >= kLeastOfLimit) loud.push_back(bin);
-  response.input_limit = loud.empty() ? std::nullopt : FindInputLimit(record, averaging, *spectra, loud);
+  static_cast<InputRange&>(response) = FindInputRange(record, averaging, *spectra, used);
   if (response.input_limit) {
     averaging.limit = *response.input_limit;
     spectra = AverageLoopSpectra(record, averaging);
     if (!spectra) return tl::unexpected(spectra.error());
     used = BinsOfSetPoint(*spectra, options.lowest, options.highest);
   }
-  response.readings_end = FindEndOfReadings(record);
-  // Readings that end take from large inputs what a dead band takes from small ones.
-  if (!response.readings_end && !response.input_limit && !loud.empty())
-    response.dead_band = FindDeadBand(record, averaging, *spectra, loud);
-  TakeNonlinear(*model.plant, response);
+  response.warnings = NonlinearInputTexts(*model.plant, response);
   response.segment_length = spectra->segment_length;
   response.segments = spectra->segments;
   for (const SignalRun& run : record.runs)

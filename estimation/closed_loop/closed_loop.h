@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "estimation/closed_loop/input_limit.h"
 #include "estimation/closed_loop/transfer_fit.h"
 #include "estimation/frequency_response/frequency_response.h"
 
@@ -30,8 +31,9 @@ struct LoopOptions {
   Status Validate() const;
 };
 
-/// A plant in closed loop: its frequency response and the parameters of its transfer function.
-struct LoopResponse {
+/// A plant in closed loop: its frequency response and the parameters of its transfer function. With an input limit the rest is
+/// measured with the input cut off there; with a dead band figures are those of a plant without one, at this excitation.
+struct LoopResponse : InputRange {
   std::vector<FrequencyPoint> points;        ///< P_ry/P_ru; in order of frequency
   std::vector<std::complex<double>> direct;  ///< P_uy/P_uu beside each point
   std::optional<DirectBias> direct_bias;     ///< where it is largest; nothing: too few points
@@ -43,11 +45,6 @@ struct LoopResponse {
   double seconds = 0;         ///< of the record
   double seconds_needed = 0;  ///< of such a record for LoopParameter::wanted of all, in 99 of 100 records
   std::string needed_for;     ///< the parameter that needs the longest
-  std::optional<double> input_limit;  ///< SI; inputs beyond it do not reach the plant
-  /// SI; of smaller inputs a smaller share does, as with a dead band of that size (FindDeadBand). Figures are those of a plant
-  /// without one, at this excitation.
-  std::optional<double> dead_band;
-  std::optional<double> readings_end;  ///< SI; FindEndOfReadings of the input
   std::vector<Told> warnings;
 };
 

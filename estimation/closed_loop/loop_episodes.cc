@@ -4,6 +4,7 @@
 
 #include "core/constants.h"
 #include "estimation/closed_loop/causality.h"
+#include "estimation/closed_loop/input_limit.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -106,10 +107,7 @@ class LoopEpisodes : public EpisodeModel {
   }
 
   std::unique_ptr<ReadEpisode> Read(const Episode& episode) const override {
-    const FrequencyRecord record{sample_period_,
-                                 {{episode.time.front(), ColumnOf(episode, signals_[1]),
-                                   ColumnOf(episode, signals_[2]), ColumnOf(episode, signals_[0])}}};
-    auto spectra = AverageLoopSpectra(record, {});
+    auto spectra = AverageLoopSpectra(RecordOf(episode), {});
     if (!spectra || static_cast<double>(spectra->segment_length) * sample_period_ < kShortestSegmentFollowed)
       return nullptr;
     std::vector<std::size_t> used = BinsOfSetPoint(*spectra);
@@ -117,7 +115,20 @@ class LoopEpisodes : public EpisodeModel {
     return std::make_unique<LoopRecord>(model_, known_, std::move(*spectra), std::move(used));
   }
 
+  std::vector<Told> DoubtsOf(const Episode& episode) const override {
+    const FrequencyRecord record = RecordOf(episode);
+    const auto spectra = AverageLoopSpectra(record, {});
+    if (!spectra) return {};
+    return InputDoubtsOf(*model_.plant, FindInputRange(record, {}, *spectra, BinsOfSetPoint(*spectra)));
+  }
+
  private:
+  FrequencyRecord RecordOf(const Episode& episode) const {
+    return {sample_period_,
+            {{episode.time.front(), ColumnOf(episode, signals_[1]), ColumnOf(episode, signals_[2]),
+              ColumnOf(episode, signals_[0])}}};
+  }
+
   Machine machine_;
   double sample_period_;
   TransferModel model_;

@@ -11,8 +11,10 @@ Told ReversedSignal(const ClosedLoopPlant& plant, const std::vector<double>& par
     const bool is_known = !known.empty() && std::isfinite(known[i]) && known[i] != 0;
     if (!(parameters[i] * (is_known ? known[i] : 1) < 0)) continue;
     return Tell(
-        "{} or {} is reversed: {} has the other sign than {}; check wiring and sign",
-        "{} oder {} ist umgekehrt: {} hat das andere Vorzeichen als {}; Verdrahtung und Vorzeichen prüfen",
+        "{} or {} is reversed: {} has the other sign than {}; check the wiring, or set scale = -1 for the one that is in [signals] "
+        "of the machine file",
+        "{} oder {} ist umgekehrt: {} hat das andere Vorzeichen als {}; die Verdrahtung prüfen, oder für das Verkehrte in [signals] "
+        "der Maschinendatei scale = -1 setzen",
         plant.output, plant.input, plant.parameters[i].name,
         is_known ? Wording{"that of the machine file", "das der Maschinendatei"}
                  : Wording{"such a plant has", "bei solchen Strecken"});

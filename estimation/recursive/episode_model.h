@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/episode.h"
 #include "models/machine.h"
 
@@ -70,6 +71,8 @@ class EpisodeModel {
   }
   /// The episode must outlive what is returned; nullptr: it says nothing.
   virtual std::unique_ptr<ReadEpisode> Read(const Episode& episode) const = 0;
+  /// What makes doubtful what an episode says, however well it is described.
+  virtual std::vector<Told> DoubtsOf(const Episode& /*episode*/) const { return {}; }
 };
 
 }  // namespace hydroscope

@@ -59,6 +59,17 @@ bool HasMoved(const drift::DriftMonitor& monitor, const std::string& name) {
   return false;
 }
 
+/// What the service tells of the newest stroke of the axis.
+std::vector<Told> ToldWarnings(const nlohmann::json& told) {
+  std::vector<Told> warnings;
+  if (!told.is_object()) return warnings;
+  const nlohmann::json english = told.value("warnings", nlohmann::json::array()),
+                       german = told.value("german", nlohmann::json::object()).value("warnings", english);
+  for (std::size_t i = 0; i < english.size() && i < german.size(); ++i)
+    warnings.emplace_back(english[i].get<std::string>(), german[i].get<std::string>());
+  return warnings;
+}
+
 /// NE 107 as a running service and its feeds tell it.
 Health ToldHealth(const nlohmann::json& told) {
   Health health;
@@ -163,7 +174,8 @@ Status WatchedMachine::StateLatest(const nlohmann::json& told, std::vector<Trend
     StateEstimate(statements_, point.estimate);
     estimates.push_back(point.estimate);
   }
-  doubts_ = DoubtsOf(machine_, estimates);
+  doubts_ = DoubtsOfNewest(machine_, estimates, TRY(sources_.database.Runs(id_)));
+  AddDoubts(ToldWarnings(told), doubts_);
   return {};
 }
 

@@ -94,7 +94,7 @@ class WatchedMachine {
   std::string not_looked_;  ///< why the monitor could not be read
   std::map<std::string, WatchedParameter> parameters_;
   std::vector<EstimateStatement> statements_;  ///< how estimates are stated
-  std::vector<Told> doubts_;                   ///< DoubtsOf the newest
+  std::vector<Told> doubts_;                   ///< DoubtsOfNewest, and what a service tells of it
   std::int64_t stated_to_ = -1;                ///< strokes there were when that was asked here; -1: never
   std::vector<TrendMark> marks_;
   AxisPicture picture_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "monitor/press_monitor_fixture.h"
+#include "pipeline/run_summary.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -62,6 +63,25 @@ TEST_F(WatchedAxisTest, StatesEstimatesAsTrendsDoesAndARunningServiceAsThat) {
       EXPECT_EQ(p["reason"], "confounded");
       EXPECT_EQ(p["reason_text"], "a leak");
     }
+}
+
+TEST_F(WatchedAxisTest, WarnsAsTheReplayOfItsNewestLogAndTheServiceDo) {
+  const auto& healthy = press_monitor_test::Healthy();
+  Store(0, {healthy.begin(), healthy.begin() + 30});
+  RunSummary summary;
+  summary.warnings = {"U_v never reads more than 5 V"};
+  ASSERT_OK(database_->FinishRun(runs_[0], FormatRunSummary(summary), {}));
+  const std::string name = AxisMachineName(machine_, 0);
+  const auto watched = WatchedMachine::Create({*database_, DatabasePath(), nullptr, ""}, name, ids_[0]);
+  ASSERT_TRUE(watched) << watched.error().text;
+  const nlohmann::json told = {
+      {"name", name},
+      {"warnings", {"U_v never reads more than 5 V", "the valve has a dead band"}},
+      {"german", {{"warnings", {"U_v zeigt nie mehr als 5 V", "das Ventil hat ein Totband"}}}}};
+  ASSERT_OK((*watched)->Refresh(told));
+  EXPECT_EQ((*watched)->json()["warnings"],
+            nlohmann::json({"U_v never reads more than 5 V", "the valve has a dead band"}));
+  EXPECT_EQ((*watched)->json()["german"]["warnings"][1], "das Ventil hat ein Totband");
 }
 
 }  // namespace

@@ -30,11 +30,20 @@ constexpr std::chrono::seconds kLookEvery(1);
 constexpr std::int64_t kRowsAtATime = 2000;
 constexpr std::size_t kMostMarks = 5000;  ///< of a machine, the newest
 
+/// What the drift watch tells of an axis, with what the service warns of.
+nlohmann::json WithWarnings(nlohmann::json told, const nlohmann::json& service) {
+  for (const nlohmann::json& axis : service.value("axes", nlohmann::json::array()))
+    if (axis.value("name", "") == told["name"])
+      for (const char* key : {"warnings", "german"})
+        if (axis.contains(key)) told[key] = axis[key];
+  return told;
+}
+
 /// The axis of this name in what the service tells; null: it tells nothing of it.
 nlohmann::json ServiceTold(const nlohmann::json& service, const std::string& machine) {
   if (!service.is_object() || !service.contains("drift")) return {};
   for (const nlohmann::json& axis : service["drift"].value("axes", nlohmann::json::array()))
-    if (axis.value("name", "") == machine) return axis;
+    if (axis.value("name", "") == machine) return WithWarnings(axis, service);
   return {};
 }
 

@@ -12,15 +12,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kFewest = 30;  ///< pieces at the level, and away from it
-constexpr std::size_t kEntries = 3;  ///< times that the pressure comes to it
-constexpr float kAway = 0.05F;       ///< of the range: so far below the highest reading noise is what it is
-constexpr float kBand = 0.5F;        ///< noises below the highest reading: the level
-constexpr float kQuiet = 0.15F;      ///< noises that are left there at most
-constexpr float kNoisy = 0.5F;       ///< noises with which it comes there
-constexpr double kNearlyAll = 0.9;   ///< of the pieces at the level are quiet
-constexpr double kMoves = 8;         ///< noises by which a position that moves goes on in a piece
-
 /// Standard deviation of white noise, of readings that are all there.
 double NoiseOf(const std::vector<double>& x) {
   WhiteNoiseVariance white;
@@ -34,7 +25,8 @@ bool AllThere(const std::vector<double>& x) {
 
 }  // namespace
 
-SaturatedPressures::SaturatedPressures(const Machine& machine) : machine_(machine) {
+SaturatedPressures::SaturatedPressures(const Machine& machine, const SaturationOptions& options)
+    : machine_(machine), options_(options) {
   int position = -1;
   for (const Condition& condition : KindOf(machine).conditions)
     if (condition.of == Condition::Of::kMeanRate) position = machine.SignalIndex(condition.signal);
@@ -71,7 +63,7 @@ void SaturatedPressures::EndPiece() {
   if (ended_++ % stride_ != 0) return;
   if (tracks_.front().pieces.size() >= kMostPieces) Thin();
   const std::vector<double>& z = last_[0];
-  const bool moves = AllThere(z) && std::abs(z.back() - z.front()) > kMoves * NoiseOf(z);
+  const bool moves = AllThere(z) && std::abs(z.back() - z.front()) > options_.moves * NoiseOf(z);
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
     const std::vector<double>& p = last_[t + 1];
     if (!AllThere(p)) continue;
@@ -90,7 +82,7 @@ std::vector<CutOff> SaturatedPressures::Found() const {
 }
 
 std::vector<CutOff> SaturatedPressures::Found(const Track& track) const {
-  if (track.pieces.size() < 2 * kFewest) return {};
+  if (track.pieces.size() < 2 * options_.fewest) return {};
   float top = -INFINITY, bottom = INFINITY;
   for (const Piece& piece : track.pieces) {
     top = std::max(top, piece.high);
@@ -98,8 +90,8 @@ std::vector<CutOff> SaturatedPressures::Found(const Track& track) const {
   }
   std::vector<float> away;
   for (const Piece& piece : track.pieces)
-    if (piece.moves && piece.high < top - kAway * (top - bottom)) away.push_back(piece.noise);
-  if (away.size() < kFewest) return {};
+    if (piece.moves && piece.high < top - options_.away * (top - bottom)) away.push_back(piece.noise);
+  if (away.size() < options_.fewest) return {};
   std::ranges::nth_element(away, away.begin() + std::ssize(away) / 2);
   const float noise = away[away.size() / 2];
 
@@ -107,21 +99,21 @@ std::vector<CutOff> SaturatedPressures::Found(const Track& track) const {
   float from = top;
   bool was_noisy = false;
   for (const Piece& piece : track.pieces) {
-    const bool is_at = piece.moves && piece.low > top - kBand * noise;
+    const bool is_at = piece.moves && piece.low > top - options_.band * noise;
     if (is_at) {
       ++at;
-      if (piece.noise < kQuiet * noise) {
+      if (piece.noise < options_.quiet * noise) {
         ++quiet;
         from = std::min(from, piece.low);
         entries += was_noisy;
         was_noisy = false;
       }
-    } else if (piece.high < top - kBand * noise) {
-      was_noisy = piece.noise > kNoisy * noise;
+    } else if (piece.high < top - options_.band * noise) {
+      was_noisy = piece.noise > options_.noisy * noise;
     }
   }
-  if (quiet < kFewest || entries < kEntries ||
-      static_cast<double>(quiet) < kNearlyAll * static_cast<double>(at))
+  if (quiet < options_.fewest || entries < options_.entries ||
+      static_cast<double>(quiet) < options_.nearly_all * static_cast<double>(at))
     return {};
   const SignalSpec& spec = machine_.signals[track.signal];
   const DisplayUnit unit = ShownUnit(machine_, spec.name);

@@ -8,6 +8,7 @@
 #include "core/told_error.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
+#include "pipeline/log_faults/declared_range.h"
 #include "pipeline/raw_log.h"
 #include "replay/log_reader.h"
 
@@ -183,6 +184,7 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
   RunBuilder runs(machine, signals, result);
   Mean pressure(machine.SignalIndex(KindOf(machine).supply)),
       oil(machine.SignalIndex(KindOf(machine).temperature));
+  DeclaredRanges declared(machine);
   ProgressBar progress("reading", "rows");
   SampleBlock block;
   while (true) {
@@ -191,6 +193,7 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
     runs.Add(block);
     pressure.Add(block);
     oil.Add(block);
+    declared.Observe(block);
     progress.Update(reader->Progress(), result.rows);
   }
   if (const double stuck_time = machine.signals[machine.SignalIndex(signals.output)].stuck_time;
@@ -203,6 +206,7 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine,
   }
   result.time_base = reader->counters().time_base;
   result.twins = reader->counters().twins;
+  result.outside_declared = declared.Sentences();
   result.supply_pressure = pressure.value();
   result.oil_temperature = oil.value();
   return result;

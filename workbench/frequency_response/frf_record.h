@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "estimation/frequency_response/frequency_response.h"
@@ -12,12 +13,13 @@ namespace hydroscope {
 
 /// Command and response of a valve check as read from a log, with the conditions during the check.
 struct FrfRecord {
-  FrequencyRecord record;     ///< input as share of full command
-  std::int64_t rows = 0;      ///< rows read
-  std::int64_t left_out = 0;  ///< rows without a usable pair of values
-  std::string left_out_why;   ///< "missing 3, out_of_range 12"; "" if none
-  Told time_base;             ///< LogCounters::time_base
-  Told twins;                 ///< LogCounters::twins
+  FrequencyRecord record;              ///< input as share of full command
+  std::int64_t rows = 0;               ///< rows read
+  std::int64_t left_out = 0;           ///< rows without a usable pair of values
+  std::string left_out_why;            ///< "missing 3, out_of_range 12"; "" if none
+  Told time_base;                      ///< LogCounters::time_base
+  Told twins;                          ///< LogCounters::twins
+  std::vector<Told> outside_declared;  ///< DeclaredRanges::Sentences
   double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean of p_0; NaN if not logged
   double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean of T_oil; NaN if not logged
 };

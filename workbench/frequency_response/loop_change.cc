@@ -19,7 +19,7 @@ Result<LoopState> LoopStateOf(const LoopLog& measured) {
 Result<LoopState> ReferenceState(const Machine& machine) {
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
   const auto count = static_cast<std::ptrdiff_t>(plant.parameters.size());
-  LoopState state{{{}, Eigen::MatrixXd::Zero(count, count)}, std::nullopt};
+  LoopState state{{{}, Eigen::MatrixXd::Zero(count, count)}, {}};
   for (const LoopParameter& parameter : plant.parameters) {
     const auto monitor = std::ranges::find_if(
         machine.monitors, [&](const MonitorSpec& m) { return m.parameter == parameter.name; });

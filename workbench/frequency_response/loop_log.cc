@@ -28,6 +28,7 @@ std::vector<Told> RowWarnings(const FrfRecord& log) {
                             log.rows, log.left_out_why));
   for (const Told& text : {log.time_base, log.twins})
     if (!text.empty()) warnings.push_back(text);
+  warnings.insert(warnings.end(), log.outside_declared.begin(), log.outside_declared.end());
   return warnings;
 }
 

@@ -60,11 +60,7 @@ std::vector<Told> WarningsOf(const LoopLog& measured, const Machine& machine) {
   const LoopResponse& response = measured.response;
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
   std::vector<Told> warnings = response.warnings;
-  if (response.input_limit)
-    warnings.push_back(
-        Tell("{} beyond {:.3g} {} does not reach the plant: {}; the rest is measured with it cut off there",
-             "{} über {:.3g} {} erreicht die Strecke nicht: {}; der Rest ist damit abgeschnitten gemessen",
-             plant.input, *response.input_limit, plant.input_unit, plant.limit.sentence));
+  if (response.input_limit) warnings.push_back(InputLimitText(plant, *response.input_limit));
   for (const Told& text : RowWarnings(measured.log)) warnings.push_back(text);
   for (const Told& limit : OutsideLimits(machine, response)) warnings.push_back(limit);
   return warnings;

@@ -130,6 +130,7 @@ std::vector<Told> ValveWarnings(const ValveLog& measured) {
   const FrfRecord& log = measured.log;
   for (const Told& text : {log.time_base, log.twins})
     if (!text.empty()) warnings.push_back(text);
+  warnings.insert(warnings.end(), log.outside_declared.begin(), log.outside_declared.end());
   if (log.left_out > 0)
     warnings.push_back(Tell("{} of {} rows left out ({})", "{} von {} Zeilen ausgelassen ({})", log.left_out,
                             log.rows, log.left_out_why));

@@ -165,7 +165,7 @@ Result<StatedEstimates> StateEstimates(const Database& database, std::int64_t ma
     for (EstimateStatement& statement : out.statements)
       if (statement.parameter == c.parameter)
         Confound(Tell("{}; {}", "{}; {}", c.reason, c.advice), statement);
-  out.unusual = DoubtsOf(machine, latest);
+  out.unusual = DoubtsOfNewest(machine, latest, runs);
   MarkConfounded(out.confounded, latest);
   return out;
 }

@@ -20,7 +20,7 @@ struct StatedEstimates {
   std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
   /// All of this for each parameter of the model, as it holds for the strokes that follow.
   std::vector<EstimateStatement> statements;
-  std::vector<Told> unusual;  ///< DoubtsOf these estimates, as `fit` and `explain` warn of them
+  std::vector<Told> unusual;  ///< DoubtsOfNewest, of these estimates, as `fit` and `explain` warn of them
 };
 
 /// Widens the estimates `latest`, one per parameter after the last stroke of the machine, and marks them. Widened by a

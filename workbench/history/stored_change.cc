@@ -8,6 +8,7 @@
 #include "estimation/floor_trust.h"
 #include "estimation/trend_statistics.h"
 #include "models/counted_words.h"
+#include "models/machine_kind.h"
 #include "storage/alarm_journal.h"
 #include "workbench/history/block_estimates.h"
 
@@ -134,8 +135,15 @@ std::vector<BlockSeries> SeriesOfParameters(const std::vector<BlockEstimates>& b
   return all;
 }
 
+/// What a fit without the effect that changed the machine takes for one of its parameters: no name of what changed.
+Told FittedAs(const Machine& machine, const std::string& parameter) {
+  const MachineParameter* const known = FindParameter(KindOf(machine), parameter);
+  return known == nullptr ? Told(parameter)
+                          : Tell("the fitted {} ({})", "{} ({}) im Fit", known->meaning, parameter);
+}
+
 /// The change may lie in the blocks at either side of the place found; these are left out where enough remain.
-StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, const CountedWords& counted) {
+StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, const Machine& machine) {
   const std::size_t n = series.blocks.size();
   const std::size_t last_before = change.at > kFewestOfALevel ? change.at - 1 : change.at;
   const std::size_t first_after = n - change.at > kFewestOfALevel ? change.at + 1 : change.at;
@@ -144,8 +152,8 @@ StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, cons
   found.since = series.blocks[first_after]->first;
   found.by = series.parameter;
   found.text = Tell("between {} {} and {}, where {} changes its level",
-                    "zwischen {} {} und {}, wo {} die Höhe wechselt", counted.Many(), found.before_end,
-                    found.since, series.parameter);
+                    "zwischen {} {} und {}, wo {} die Höhe wechselt", CountedWordsOf(machine).Many(),
+                    found.before_end, found.since, FittedAs(machine, series.parameter));
   return found;
 }
 
@@ -186,14 +194,14 @@ ErrorSeries ErrorsOver(const std::vector<BlockEstimates>& blocks) {
 }
 
 std::optional<StoredChange> ErrorGrows(const std::vector<BlockEstimates>& blocks, const HistoryPart& part,
-                                       const CountedWords& counted) {
+                                       const Machine& machine) {
   const auto [series, others] = ErrorsOver(blocks);
   const auto growth = FindErrorGrowth(series.values, others);
   if (!growth) return std::nullopt;
-  StoredChange found = ChangeAt(series, *growth, counted);
+  StoredChange found = ChangeAt(series, *growth, machine);
   found.text = Tell("between {} {} and {}, where the model begins to err more",
-                    "zwischen {} {} und {}, wo das Modell mehr zu irren beginnt", counted.Many(),
-                    found.before_end, found.since);
+                    "zwischen {} {} und {}, wo das Modell mehr zu irren beginnt",
+                    CountedWordsOf(machine).Many(), found.before_end, found.since);
   if (!LeavesEnough(found, part)) return std::nullopt;
   return found;
 }
@@ -203,17 +211,18 @@ bool LiesWithin(const StoredChange& stretch, const HistoryPart& part) {
   return stretch.before_end - part.first >= kFewestOnASide && part.last - stretch.since >= kFewestOnASide;
 }
 
+/// Which parameter tells of it is no matter: on both sides the machine is as it was.
 StoredChange StretchAt(const BlockSeries& series, const Stretched& stretch, const CountedWords& counted) {
   StoredChange found;
   found.before_end = series.blocks[stretch.first]->first;
   found.since = series.blocks[stretch.last]->first;
   found.by = series.parameter;
   found.passes = true;
-  const Told what = series.parameter == kByModelError
-                        ? Tell("the model errs more", "das Modell mehr irrt")
-                        : Tell("{} is another", "{} anders ist", series.parameter);
-  found.text = Tell("from {} {} to {}, where {}", "von {} {} bis {}, wo {}", counted.One(), found.before_end,
-                    found.since - 1, what);
+  const Told where = series.parameter == kByModelError
+                         ? Told(", where the model errs more", ", wo das Modell mehr irrt")
+                         : Told();
+  found.text = Tell("from {} {} to {}{}", "von {} {} bis {}{}", counted.One(), found.before_end,
+                    found.since - 1, where);
   return found;
 }
 
@@ -232,13 +241,13 @@ std::optional<StoredChange> EvidentInBlocks(const Database& database, const Hist
   for (const BlockSeries& series : SeriesOfParameters(*blocks)) {
     const auto change = FindLevelChange(series.values, {series.oil});
     if (!change || !(change->p < p)) continue;
-    StoredChange found = ChangeAt(series, *change, CountedWordsOf(machine));
+    StoredChange found = ChangeAt(series, *change, machine);
     if (!LeavesEnough(found, part)) continue;
     p = change->p;
     clearest = std::move(found);
   }
   if (clearest) return clearest;
-  return ErrorGrows(*blocks, part, CountedWordsOf(machine));
+  return ErrorGrows(*blocks, part, machine);
 }
 
 /// The stretch that a parameter, or else the error, shows most evidently.
