@@ -78,8 +78,8 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine,
 void Append(LogStrokes next, LogStrokes& all);
 
 /// The same for several logs of one machine, one after the other as if recorded in a row. Logs whose sampling rate is
-/// nearly that of the first are interpolated (replay/resampled_reader.h). Errors: it is not even nearly the same, a log is given
-/// twice.
+/// nearly that of the first are interpolated (replay/resampled_reader.h). Errors: it is not even nearly the same,
+/// a log is given twice.
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep = KeepSamples::kNo);
 

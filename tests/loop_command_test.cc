@@ -195,9 +195,9 @@ TEST_F(LoopCommand, APositionThatStandsIsLeftOutAndSaid) {
         << command;
   const Ran check = Run({"check", File("stuck.csv"), "-m", machine_});
   EXPECT_EQ(check.exit_code, 4);
-  EXPECT_THAT(check.out, HasSubstr("flagged: 4000 x stuck, first at 8"));
+  EXPECT_THAT(check.out, HasSubstr("flagged: 4001 x stuck, first at 7.999"));
   EXPECT_THAT(Run({"replay", File("stuck.csv"), "-m", machine_, "--db", File("c.db")}).out,
-              HasSubstr("4000  values flagged stuck, z"));
+              HasSubstr("4001  values flagged stuck, z"));
 }
 
 TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {

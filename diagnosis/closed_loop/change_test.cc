@@ -15,7 +15,7 @@ namespace {
 using LoopVerdict = LoopComparison::Verdict;
 
 LoopState Cylinder() {
-  LoopState state{{{343, 0.9766, 160, 0.0114, 0}, Eigen::MatrixXd::Zero(5, 5)}, std::nullopt};
+  LoopState state{{{343, 0.9766, 160, 0.0114, 0}, Eigen::MatrixXd::Zero(5, 5)}, {}};
   const double stds[] = {0.002, 0.003, 0.006, 0.001, 2e-6};
   for (int i = 0; i < 5; ++i) state.covariance(i, i) = stds[i] * stds[i];
   return state;

@@ -73,8 +73,10 @@ void CheckName(TableReader& reader, const TableReader::Entry& entry, const Machi
 /// Start and range as the file says, `p` where it says nothing; `p.start` is known if `known`.
 void ReadParameter(TableReader& reader, bool known, ParameterSpec& p) {
   if (reader.Has("value")) {
-    reader.Wrong("value", "no such key: parameters are found from the log, and what is known stands in [geometry], e.g. "
-                          "m = { value = 25, unit = \"kg\" }");
+    reader.Wrong(
+        "value",
+        "no such key: parameters are found from the log, and what is known stands in [geometry], e.g. "
+        "m = { value = 25, unit = \"kg\" }");
     return;
   }
   reader.AllowOnly(MachineFileKeys("parameters.<name>"));

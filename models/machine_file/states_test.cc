@@ -165,9 +165,10 @@ TEST(StatesFile, AnInitialValueOutsideItsLimitsIsRefused) {
 }
 
 TEST(StatesFile, AKnownValueIsNoParameterAndItIsSaidWhereItStands) {
-  EXPECT_THAT(RefusalOf(kHead + kStates + "[outputs]\nlevel_2 = \"h_2\"\n[parameters]\nk_1 = { value = 1e-4 }\n"),
-              AllOf(HasSubstr("[parameters.k_1] value"), HasSubstr("what is known stands in [geometry]"),
-                    Not(HasSubstr("start is missing"))));
+  EXPECT_THAT(
+      RefusalOf(kHead + kStates + "[outputs]\nlevel_2 = \"h_2\"\n[parameters]\nk_1 = { value = 1e-4 }\n"),
+      AllOf(HasSubstr("[parameters.k_1] value"), HasSubstr("what is known stands in [geometry]"),
+            Not(HasSubstr("start is missing"))));
 }
 
 TEST(StatesFile, AParameterThatNothingReadsIsNamed) {

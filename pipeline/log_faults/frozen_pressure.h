@@ -19,10 +19,9 @@ struct FrozenPressureOptions {
   double at_once = 0.6;  ///< of the step, between two neighbouring readings
   double on = 0.25;      ///< of the step, that it goes on by over the five readings behind; or `still`
   double still = 3;      ///< noises that it moves by over the five readings before
-  double level =
-      4.5;  ///< standard deviations of a mean of ten readings about the mean of those behind: one level
-  int least = 50;    ///< rows of one level before the step
-  double moves = 8;  ///< noises by which the position moves over these rows
+  double level = 4.5;  ///< standard deviations of means of ten readings about that of those behind: one level
+  int least = 50;      ///< rows of one level before the step
+  double moves = 8;    ///< noises by which the position moves over these rows
 };
 
 /// Readings of a pressure that had stopped, though their noise went on.
