@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "core/constants.h"
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "estimation/normal_equations.h"
 
 namespace hydroscope {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/eight_lanes.h"
+#include "core/parallel/eight_lanes.h"
 #include "core/records/symmetric_matrix.h"
 
 namespace hydroscope {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 
 namespace hydroscope {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 
 namespace hydroscope {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 
 namespace hydroscope {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 
 namespace hydroscope {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "models/expressions/elementary.h"
 #include "models/stretch.h"
 

@@ -119,8 +119,7 @@ void TellStuck(const std::string& log, const Machine& machine, const std::vector
         !EpisodeCutter::JudgesStuck(signal, out.period))
       continue;
     out.warnings.push_back(Tell(
-        "{}: {} (column {}) stands still in {} rows, first at {:.4g} s: its sensor, wire or logger hung, and these readings "
-        "are left out",
+        "{}: {} (column {}) stands still in {} rows, first at {:.4g} s: its sensor, wire or logger hung, and that is left out",
         "{}: {} (Spalte {}) steht in {} Zeilen still, zuerst bei {:.4g} s: Sensor, Leitung oder Logger hing, und diese "
         "Messwerte bleiben weg",
         log, signal.name, signal.column, count,

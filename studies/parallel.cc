@@ -3,7 +3,7 @@
 #include <ctime>
 #include <mutex>
 
-#include "core/in_parallel.h"
+#include "core/parallel/in_parallel.h"
 
 namespace hydroscope {
 

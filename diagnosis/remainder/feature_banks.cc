@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/parallel/wide.h"
 #include "core/quantile.h"
-#include "core/wide.h"
 #include "diagnosis/sample_grams.h"
 
 namespace hydroscope {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 
 namespace hydroscope {
 namespace {

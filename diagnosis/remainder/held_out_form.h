@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "core/eight_lanes.h"
+#include "core/parallel/eight_lanes.h"
 
 namespace hydroscope {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/states/law_terms.h"
+#include "estimation/states/same_end.h"
 
 namespace hydroscope {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "core/contains.h"
-#include "core/in_parallel.h"
+#include "core/parallel/in_parallel.h"
 #include "core/told_error.h"
 #include "diagnosis/states/found_sets.h"
 #include "diagnosis/states/law_terms.h"
@@ -157,11 +157,10 @@ class EffectSearch {
              std::vector<StateCandidate> out;
              if (!promises(c)) out.push_back(fits_->Fitted(c));
              if (!single && !out_.base_left.structured) return out;
-             const auto known = std::ranges::find(sets, c.added, &StateCandidate::added);
-             const StateCandidate* ended = known != sets.end()                    ? &*known
-                                           : !out.empty() && out.front().fitted() ? &out.front()
-                                                                                  : nullptr;
-             out.push_back(fits_->FittedFromSegments(c, ended));
+             const std::vector<StateCandidate>& tried = promises(c) ? sets : out;
+             const auto known = std::ranges::find(tried, c.added, &StateCandidate::added);
+             const bool ended = known != tried.end() && known->fitted();
+             out.push_back(fits_->FittedFromSegments(c, ended ? &*known : nullptr));
              return out;
            }))
         TakeAll(sets, std::move(fitted));

@@ -90,8 +90,7 @@ struct ExplainStatesOptions {
   StateFitOptions fit;
   StateRemainderOptions remainder;
   SpecificityOptions specificity;
-  int threads =
-      1;  ///< that effects are tried on; 0: as many as the computer has cores. What is found does not depend on it.
+  int threads = 1;  ///< that effects are tried on, 0: one per core (ThreadsOf); what is found is the same
   std::function<void(const std::string&)> tells = {};  ///< hears what is being done, from any of the threads
 };
 

@@ -144,8 +144,7 @@ std::vector<Told> NonlinearInputTexts(const ClosedLoopPlant& plant, const InputR
         "at twice of it, friction changes the damping more than the gain",
         "kleine Eingänge bewegen {} um einen kleineren Anteil als große, wie bei einem Totband von {:.2g} {} von {}: "
         "Überdeckung des Ventils, oder Reibung, die nicht mit der Geschwindigkeit wächst. Verstärkung und Dämpfung gelten "
-        "dann nur bei dieser Anregung; bei der halben und der doppelten messen, Reibung ändert die Dämpfung mehr als die "
-        "Verstärkung",
+        "dann nur bei dieser Anregung; bei der halben und der doppelten messen, Reibung ändert mehr die Dämpfung",
         plant.output, *range.dead_band, plant.input_unit, plant.input));
   if (range.readings_end)
     texts.push_back(Tell(

@@ -47,8 +47,7 @@ Told WhyParametersStayOpen(const LoopSpectra& spectra, const std::vector<std::si
         "matter less) or movements too large for a linear valve do that; exciting more frequencies does not help",
         "{}: die Antwort ist keine, die diese Übertragungsfunktion haben kann, die nächste liegt um das {:.2g}fache des Rauschens "
         "daneben. Eine Resonanz, die von der Strecke nicht bekannt ist (--to lässt weg, was darüber liegt), trockene Reibung (bei "
-        "größeren Bewegungen zählt sie weniger) oder für ein lineares Ventil zu große Bewegungen tun das; mehr Frequenzen "
-        "helfen nicht",
+        "größeren Bewegungen zählt sie weniger) oder zu große Bewegungen tun das; mehr Frequenzen helfen nicht",
         what, fit.inflation);
   return Tell(
       "{}: the output follows the set point up to {:.4g} Hz, and there it shows a part of the transfer function alone. Where dry "

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/constants.h"
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "estimation/frequency_response/model.h"
 #include "estimation/frequency_response/second_order.h"
 

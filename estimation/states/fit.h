@@ -122,11 +122,6 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
                      std::span<const StateStart> starts, const Eigen::VectorXd& weights,
                      const StateFitOptions& options = {});
 
-/// Whether a start of a fit's model leads where that ended: parameters alike, the squares of its errors over the fit's noise no
-/// further from the fit's than a share `same_minimum` of them.
-bool IsWhereItEnded(const StateFit& fit, std::span<const Episode> episodes, const StateStart& start,
-                    double same_minimum);
-
 /// A start for RefitStates from far off: what short segments of the first rows give. Nothing if the model diverges.
 std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
                                      std::span<const Episode> episodes, const Eigen::VectorXd& parameters,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "estimation/states/same_end.h"
 #include "models/machine.h"
 
 namespace hydroscope {

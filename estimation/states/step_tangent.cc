@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "core/limits.h"
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "estimation/states/explicit_method.h"
 #include "estimation/states/implicit_method.h"
 

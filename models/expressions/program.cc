@@ -5,7 +5,7 @@
 #include <iterator>
 #include <type_traits>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "models/expressions/operation.h"
 
 namespace hydroscope {

@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/units.h"
 #include "estimation/states/white_noise.h"
-#include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "pipeline/log_faults/pressures_in_motion.h"
 
 namespace hydroscope {
 namespace {
@@ -27,14 +26,9 @@ bool AllThere(const std::vector<double>& x) {
 
 SaturatedPressures::SaturatedPressures(const Machine& machine, const SaturationOptions& options)
     : machine_(machine), options_(options) {
-  int position = -1;
-  for (const Condition& condition : KindOf(machine).conditions)
-    if (condition.of == Condition::Of::kMeanRate) position = machine.SignalIndex(condition.signal);
-  if (position < 0) return;
-  position_ = static_cast<std::size_t>(position);
-  for (std::size_t s = 0; s < machine.signals.size(); ++s)
-    if (const auto unit = FindUnit(machine.signals[s].unit); unit && unit->si == "Pa")
-      tracks_.push_back({s, {}});
+  const PressuresInMotion in_motion = PressuresInMotionOf(machine);
+  position_ = in_motion.position;
+  for (const std::size_t s : in_motion.pressures) tracks_.push_back({s, {}});
   last_.assign(1 + tracks_.size(), std::vector<double>(kRows));
 }
 

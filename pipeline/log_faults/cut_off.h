@@ -31,8 +31,7 @@ struct SaturationOptions {
   float band = 0.5F;    ///< noises below the highest reading: the level, for what is cut off hardly scatters
   float quiet = 0.15F;  ///< of the noise, that is left there at most: hardly ever by chance
   float noisy = 0.5F;   ///< of the noise, with which it comes there
-  double nearly_all =
-      0.9;           ///< of the pieces at the level are quiet: a relief valve leaves the pressure its noise
+  double nearly_all = 0.9;  ///< of the pieces at the level are quiet: a relief valve leaves noise
   double moves = 8;  ///< noises by which a position that moves goes on in a piece: noise alone does not
 };
 

@@ -72,8 +72,7 @@ Told DeclaredRanges::SentenceOf(const Readings& readings) const {
   const std::string better = UnitThatFills(spec, unit, largest, declared, options_.least);
   return Tell(
       "{} (column {}): the readings reach {:.2g} {}, min and max of the machine file {:.2g} {}: look at its unit and scale{}",
-      "{} (Spalte {}): die Werte reichen bis {:.2g} {}, min und max der Maschinendatei bis {:.2g} {}: Einheit und Skalierung "
-      "prüfen{}",
+      "{} (Spalte {}): die Werte reichen bis {:.2g} {}, min und max der Maschinendatei bis {:.2g} {}: stimmt die Einheit?{}",
       spec.name, spec.column, largest / unit.scale, spec.unit, declared / unit.scale, spec.unit,
       better.empty() ? Told{}
                      : Tell(". They look like {}: set unit = \"{}\"",

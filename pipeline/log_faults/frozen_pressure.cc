@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/units.h"
-#include "models/machine_kind.h"
+#include "pipeline/log_faults/pressures_in_motion.h"
 
 namespace hydroscope {
 namespace {
@@ -21,14 +20,9 @@ double MeanOf(const double* first, std::size_t count) {
 
 FrozenPressures::FrozenPressures(const Machine& machine, const FrozenPressureOptions& options)
     : options_(options) {
-  int position = -1;
-  for (const Condition& condition : KindOf(machine).conditions)
-    if (condition.of == Condition::Of::kMeanRate) position = machine.SignalIndex(condition.signal);
-  if (position < 0) return;
-  position_ = static_cast<std::size_t>(position);
-  for (std::size_t s = 0; s < machine.signals.size(); ++s)
-    if (const auto unit = FindUnit(machine.signals[s].unit); unit && unit->si == "Pa")
-      tracks_.push_back({s, {}});
+  const PressuresInMotion in_motion = PressuresInMotionOf(machine);
+  position_ = in_motion.position;
+  for (const std::size_t s : in_motion.pressures) tracks_.push_back({s, {}});
 }
 
 void FrozenPressures::Observe(const SampleBlock& block, const std::vector<ChannelQuality>& channels) {

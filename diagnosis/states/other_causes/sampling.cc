@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/in_parallel.h"
+#include "core/parallel/in_parallel.h"
 #include "core/short_number.h"
 #include "diagnosis/states/other_causes/missing_dynamics.h"
 #include "diagnosis/states/remainder.h"

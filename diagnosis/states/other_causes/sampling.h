@@ -32,8 +32,7 @@ struct SamplingOptions {
   int late_steps = 6;           ///< of the search for that age
   double late_rows = 3;         ///< of it at most; more is a dead time of the machine
   double late_settled = 0.001;  ///< row; nearer it need not be known
-  int threads =
-      1;  ///< that ways are tried on; 0: as many as the computer has cores. What is found does not depend on it.
+  int threads = 1;  ///< that ways are tried on, 0: one per core (ThreadsOf); what is found is the same
 };
 
 /// Inputs seem to move between rows in another way than `[log] hold` says, or outputs of a row to be older or newer than they.

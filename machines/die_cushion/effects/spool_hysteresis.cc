@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/wide.h"
+#include "core/parallel/wide.h"
 #include "machines/die_cushion/effects/effects.h"
 
 namespace hydroscope::effects {

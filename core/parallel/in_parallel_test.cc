@@ -1,4 +1,4 @@
-#include "core/in_parallel.h"
+#include "core/parallel/in_parallel.h"
 
 #include <gtest/gtest.h>
 
