@@ -136,13 +136,13 @@ std::optional<Role> PressureRole(const std::string& text, const std::string& squ
 
 /// "mm" for "mm", "Bar" for "bar", "degC" for "C"; "" for what is no unit at the end of a name.
 std::string UnitWord(const std::string& word) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 29> kWords = {
-      {{"bar", "bar"},   {"mbar", "mbar"},       {"pa", "Pa"},   {"kpa", "kPa"},   {"mpa", "MPa"},
-       {"psi", "psi"},   {"mm", "mm"},           {"cm", "cm"},   {"um", "um"},     {"ms", "ms"},
-       {"us", "us"},     {"ns", "ns"},           {"sec", "s"},   {"sek", "s"},     {"ma", "mA"},
-       {"mv", "mV"},     {"volt", "V"},          {"pct", "%"},   {"percent", "%"}, {"degc", "degC"},
-       {"kn", "kN"},     {"celsius", "degC"},    {"proz", "%"},  {"inch", "in"},   {"inches", "in"},
-       {"degf", "degF"}, {"fahrenheit", "degF"}, {"gpm", "gpm"}, {"lbf", "lbf"}}};
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 30> kWords = {
+      {{"bar", "bar"},   {"mbar", "mbar"}, {"pa", "Pa"},           {"kpa", "kPa"}, {"mpa", "MPa"},
+       {"psi", "psi"},   {"hpa", "mbar"},  {"mm", "mm"},           {"cm", "cm"},   {"um", "um"},
+       {"ms", "ms"},     {"us", "us"},     {"ns", "ns"},           {"sec", "s"},   {"sek", "s"},
+       {"ma", "mA"},     {"mv", "mV"},     {"volt", "V"},          {"pct", "%"},   {"percent", "%"},
+       {"degc", "degC"}, {"kn", "kN"},     {"celsius", "degC"},    {"proz", "%"},  {"inch", "in"},
+       {"inches", "in"}, {"degf", "degF"}, {"fahrenheit", "degF"}, {"gpm", "gpm"}, {"lbf", "lbf"}}};
   for (const auto& [spelling, unit] : kWords)
     if (word == spelling) return std::string(unit);
   return "";

@@ -133,6 +133,11 @@ class Proposer {
         return role.role != Role::kTime && !role.sure && !RoleByName(head_.columns[role.column].name);
       });
     result_.decided.push_back(Tell("model {}: {}", "Modell {}: {}", std::string(kind.id), why));
+    const bool any = std::ranges::any_of(roles_, [](const ColumnRole& r) { return r.role != Role::kTime; });
+    if (kind.own_library && !any)
+      result_.decided.emplace_back(
+          "no column is called like a signal of a machine that is known: see whether this is the log of one",
+          "keine Spalte heißt wie ein Signal einer bekannten Maschine: nachsehen, ob dies das Log einer Maschine ist");
   }
   Told ByNames(const MachineKind& kind) const {
     std::vector<std::string> names;

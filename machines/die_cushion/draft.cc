@@ -15,11 +15,22 @@ namespace {
 constexpr double kMoving = 0.008;  ///< m/s
 constexpr double kLag = 0.05;      ///< s over which the speed is taken
 constexpr int kRowsToDecide = 50;
+/// Share of these rows in which the cushion moves one way, and of the spool's opening that is to one side: under pressure the ram pushes
+/// it down, and a log in which it goes both ways alike is none of strokes.
+constexpr double kOneWay = 0.7;
 
 /// What happens while the pressure is in its upper half and the cushion moves.
 struct Strokes {
-  int falling = 0, rising = 0;                 ///< rows
-  double spool_falling = 0, spool_rising = 0;  ///< sum of y_v
+  int falling = 0, rising = 0;                     ///< rows
+  double spool_falling = 0, spool_rising = 0;      ///< sum of y_v
+  double opening_falling = 0, opening_rising = 0;  ///< sum of its magnitude
+
+  bool GoOneWay() const { return std::max(falling, rising) > kOneWay * (falling + rising); }
+  bool OpenOneWay() const {
+    const bool rise = rising > falling;
+    return std::abs(rise ? spool_rising : spool_falling) >
+           (2 * kOneWay - 1) * (rise ? opening_rising : opening_falling);
+  }
 };
 
 Strokes Watch(const LogSample& log) {
@@ -38,6 +49,7 @@ Strokes Watch(const LogSample& log) {
     if (!(p[i] > middle) || !(std::abs(speed) > kMoving) || !std::isfinite(y[i])) continue;
     (speed < 0 ? strokes.falling : strokes.rising) += 1;
     (speed < 0 ? strokes.spool_falling : strokes.spool_rising) += y[i];
+    (speed < 0 ? strokes.opening_falling : strokes.opening_rising) += std::abs(y[i]);
   }
   return strokes;
 }
@@ -60,6 +72,17 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
     draft.decided.emplace_back(
         "directions of z and y_v were not checked: no drawing stroke in the part of the log that was looked at",
         "Richtungen von z und y_v wurden nicht geprüft: kein Ziehhub in dem Teil des Logs, der angesehen wurde");
+    return;
+  }
+  if (!strokes.GoOneWay() || !strokes.OpenOneWay()) {
+    draft.open.push_back(Tell(
+        "[signals] z, y_v: {} while the pressure is high, so that which way round they count cannot be told, and no drawing stroke "
+        "is seen. Look whether these columns are what their names say; the model's z falls in a stroke, and positive y_v opens "
+        "to tank",
+        "[signals] z, y_v: {}, während der Druck hoch ist; wie herum sie zählen, ist so nicht zu sehen, auch kein Ziehhub. "
+        "Nachsehen, ob diese Spalten sind, was ihr Name sagt; im Modell fällt z in einem Hub, und positives y_v öffnet zum Tank",
+        strokes.GoOneWay() ? Told("the spool opens both ways", "der Schieber öffnet nach beiden Seiten")
+                           : Told("z goes both ways", "z bewegt sich in beide Richtungen")));
     return;
   }
   const bool turned = strokes.rising > strokes.falling;
