@@ -13,8 +13,9 @@ namespace hydroscope {
 struct StoredExplanation {
   std::optional<StoredChange> change;  ///< that they hold
   std::string not_compared;            ///< why they are explained as one in spite of it
-  StrokeHistory before;                ///< empty where they are explained as one
-  StrokeHistory after;                 ///< or all of them
+  std::string begins;    ///< of logs, the one that begins where the change is, a sentence; "": none does
+  StrokeHistory before;  ///< empty where they are explained as one
+  StrokeHistory after;   ///< or all of them
   std::optional<ChangeResult> sides;
   std::optional<ExplainResult> whole;  ///< in place of `sides`
 

@@ -66,6 +66,18 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
   return {};
 }
 
+/// That strokes are those of another kind of machine than the machine file describes; "" if they are not known to be.
+Told OfAnotherKind(const ModelVersion& stored, const HistoryPart& part, const StrokeHistory& history) {
+  const auto machine = ParseMachine(stored.definition, part.machine);
+  if (!machine || &KindOf(*machine) == &KindOf(history.machine)) return {};
+  return Tell(
+      "{}: {} of {} are those of a {}, and the machine file describes a {}: take the machine file that they were replayed with",
+      "{}: {} von {} stammen von einer Maschine der Art „{}“, die Maschinendatei beschreibt eine der Art „{}“: die Maschinendatei "
+      "nehmen, mit der sie eingespielt wurden",
+      history.database, CountedWordsOf(*machine).many, part.machine, KindOf(*machine).title,
+      KindOf(history.machine).title);
+}
+
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
 Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
   const CountedWords counted = CountedWordsOf(history.machine);
@@ -75,6 +87,7 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     if (run.strokes == 0 || run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first)
       continue;
     const auto model = TRY(database.GetModelVersion(part.id, run.model_version));
+    if (Told other = OfAnotherKind(model, part, history); !other.empty()) return BadInput(other);
     if (model.columns != history.model->ColumnNames())
       return BadInput(Tell(
           "{}: {} of run {} ({}) of {} were recorded with other sums of products than this machine and "
