@@ -71,6 +71,12 @@ constexpr MachineParameter OverOil(OilLaw law, MachineParameter parameter) {
   return parameter;
 }
 
+/// What the data sheet of its part states, known value `stated_as` of the machine.
+constexpr MachineParameter StatedAs(std::string_view stated_as, MachineParameter parameter) {
+  parameter.stated_as = stated_as;
+  return parameter;
+}
+
 /// Beside the atmosphere, which it is taken for where the machine file does not state it.
 constexpr MachineInput TankPressure() {
   return {.name = "p_t",

@@ -42,6 +42,7 @@ struct MachineInput {
   /// Of what is made, and so known, within a usual tolerance if none is stated: parameters in proportion to it, "V0 and Q_vn".
   std::string_view shared_by = "";
   std::optional<double> otherwise = {};  ///< SI, value where the machine file states none
+  std::string_view travel_of = "";       ///< of known lengths: the signal that travels no farther
   /// Of signals; nothing: what every machine keeps to with a signal of its unit.
   std::optional<PlausibleSize> size = {};
   /// Of signals: what logs call it beside its name and meaning; small letters and digits, blanks between names.
@@ -58,6 +59,8 @@ struct MachineParameter {
   double factor = 1;             ///< ... shown = SI * factor
   bool relative = true;          ///< changes are told in per cent
   OilLaw over_oil = OilLaw::kSmooth;
+  std::string_view stated_as =
+      "";  ///< name of a known value: what its data sheet says of it, where the machine file states that
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.

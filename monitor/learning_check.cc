@@ -102,9 +102,9 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result, bool n
 }
 
 /// Drift is relative, so a scale that is wrong throughout is said and stops nothing.
-std::vector<LearningDoubt> OfParameters(const MachineKind& kind, const ExplainResult& result) {
+std::vector<LearningDoubt> OfParameters(const Machine& machine, const ExplainResult& result) {
   std::vector<LearningDoubt> doubts;
-  for (Told& unusual : UnusualParameters(kind, result.base.parameters))
+  for (Told& unusual : UnusualParameters(machine, result.base.parameters))
     doubts.push_back({Kind::kUnexplained, std::move(unusual), true});
   return doubts;
 }
@@ -284,7 +284,7 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
       history ? ExplainHistory(*history) : Result<ExplainResult>(tl::unexpected(history.error()));
   Append(doubts, OfVerdict(result, !history || history->noise_known));
   if (result) Append(doubts, OfOddStrokes(*history, result->explanation));
-  if (result) Append(doubts, OfParameters(KindOf(machine), *result));
+  if (result) Append(doubts, OfParameters(machine, *result));
   const auto are_there = [&](Kind kind) {
     return std::ranges::find(doubts, kind, &LearningDoubt::kind) != doubts.end();
   };

@@ -152,6 +152,10 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
       out.strokes.size() < kMinExplainStrokes && !coarse.empty())
     return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
+  if (out.strokes.size() < kMinExplainStrokes && !pass.reversed.empty())
+    return BadInput(Tell("{}: {}", "{}: {}", log, pass.reversed.front()));
+  for (const auto& texts : {pass.reversed, pass.wrong_answers})
+    for (const Told& text : texts) out.doubts.push_back(Tell("{}: {}", "{}: {}", log, text));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   for (const ReadingFaults::Echo& echo : out.echoes = pass.echoes)
     out.notes.push_back(log + ": " + echo.Sentence().english);
@@ -183,6 +187,7 @@ void Append(LogStrokes next, LogStrokes& all) {
   all.notes.insert(all.notes.end(), next.notes.begin(), next.notes.end());
   all.echoes.insert(all.echoes.end(), next.echoes.begin(), next.echoes.end());
   all.swapped.insert(all.swapped.end(), next.swapped.begin(), next.swapped.end());
+  all.doubts.insert(all.doubts.end(), next.doubts.begin(), next.doubts.end());
   if (all.stuck.empty()) all.stuck = next.stuck;
   all.discarded_strokes += next.discarded_strokes;
   all.reader.rows += next.reader.rows;

@@ -30,6 +30,7 @@ struct LogStrokes {
   std::vector<std::string> notes;  ///< what should be known of the logs, one sentence each
   std::vector<ReadingFaults::Echo> echoes;
   std::vector<Told> swapped;  ///< LogPass::swapped, BrokenUp, with the log: no verdict on these strokes
+  std::vector<Told> doubts;   ///< LogPass::reversed and wrong_answers, with the log
   Told stuck;                 ///< StuckSignal, of the first log of which there is something to say
   std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 

@@ -20,7 +20,7 @@ Told ReversedIn(const Machine& machine, std::span<const Estimate> parameters) {
 }
 
 std::vector<Told> DoubtsOf(const Machine& machine, std::span<const Estimate> parameters) {
-  std::vector<Told> doubts = UnusualParameters(KindOf(machine), parameters);
+  std::vector<Told> doubts = UnusualParameters(machine, parameters);
   if (Told reversed = ReversedIn(machine, parameters); !reversed.empty())
     doubts.push_back(std::move(reversed));
   return doubts;

@@ -6,6 +6,7 @@
 #include "acquisition/repeated_rows.h"
 #include "acquisition/straight_runs.h"
 #include "host/output.h"
+#include "pipeline/log_faults/command_answer.h"
 #include "pipeline/log_faults/declared_range.h"
 #include "pipeline/log_faults/swapped_pressures.h"
 
@@ -70,6 +71,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   ReadingFaults faults(machine, reader.SamplePeriod());
   SwappedPressures swapped(machine);
   DeclaredRanges declared(machine);
+  CommandAnswers answers(machine);
   std::optional<SaturatedPressures> saturated;
   std::optional<FrozenPressures> frozen;
   if (hooks.distrust_logger && hooks.known_frozen.empty()) frozen.emplace(machine);
@@ -84,6 +86,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
     if (frozen) frozen->Observe(block, monitor.channels());
     swapped.Observe(block);
     declared.Observe(block);
+    answers.Observe(block);
     if (saturated) saturated->Observe(block);
     return PassBlock(block, pipeline, hooks);
   };
@@ -121,6 +124,9 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   pass.echoes = faults.Echoes();
   pass.swapped = swapped.Sentences();
   pass.outside_declared = declared.Sentences();
+  pass.reversed = answers.Against(static_cast<double>(pass.summary.gated) /
+                                  static_cast<double>(std::max<std::int64_t>(1, pass.summary.rows)));
+  pass.wrong_answers = answers.Sizes();
   pass.frozen = frozen ? frozen->Found() : hooks.known_frozen;
   pass.cut_offs = hooks.known_cut_offs;
   if (pass.cut_offs.empty()) pass.cut_offs = CutOffsOf(pass.channels, machine);

@@ -25,6 +25,8 @@ struct LogPass {
   std::vector<ReadingFaults::Echo> echoes;
   std::vector<Told> swapped;           ///< SwappedPressures::Sentences
   std::vector<Told> outside_declared;  ///< DeclaredRanges::Sentences
+  std::vector<Told> reversed;          ///< CommandAnswers::Against
+  std::vector<Told> wrong_answers;     ///< CommandAnswers::Sizes
   std::vector<CutOff> cut_offs;        ///< those that were known, else those seen
   std::vector<FrozenStretch> frozen;   ///< the same
 
@@ -44,7 +46,7 @@ struct LogPassHooks {
   bool distrust_logger = true;
   /// Of an earlier pass over the same log: readings beyond are flagged from the first one on.
   std::vector<CutOff> known_cut_offs;
-  std::vector<FrozenStretch> known_frozen;                            ///< the same, flagged kStuck
+  std::vector<FrozenStretch> known_frozen;  ///< the same, flagged kStuck
   std::int64_t most_rows = std::numeric_limits<std::int64_t>::max();  ///< the pass ends behind these
 };
 

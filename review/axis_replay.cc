@@ -265,6 +265,8 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary.warnings = InEnglish(trust.Warnings());
   if (!pass.no_verdict.empty()) replay.summary.warnings.push_back(pass.no_verdict.english);
   replay.summary.impossible = pass.swapped.empty() ? pass.no_verdict.english : pass.swapped.front().english;
+  for (const auto& texts : {pass.reversed, pass.wrong_answers})
+    for (const Told& text : texts) replay.summary.warnings.push_back(text.english);
   for (const Told& text : pass.outside_declared) replay.summary.warnings.push_back(text.english);
   for (const ReadingFaults::Echo& echo : pass.echoes)
     replay.summary.warnings.push_back(echo.Sentence().english);

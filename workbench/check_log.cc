@@ -4,6 +4,7 @@
 
 #include "core/constants.h"
 #include "core/contains.h"
+#include "core/told_error.h"
 #include "estimation/closed_loop/loop_episodes.h"
 #include "estimation/closed_loop/reversal.h"
 #include "host/work_line.h"
@@ -14,6 +15,7 @@
 #include "pipeline/episode_cutter.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/log_faults/broken_strokes.h"
+#include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_faults/stuck_signal.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -197,6 +199,19 @@ void TakeResponse(const std::string& log, CheckResult& check, std::vector<Told>&
   if (!reversed.empty()) doubts.push_back(std::move(reversed));
 }
 
+/// What stops the commands that conclude, of signals that no hint tells of so far.
+void TellSizes(const std::string& log, CheckResult& check) {
+  const Status sizes = JudgeSizes(log, check.machine);
+  if (sizes) return;
+  const Told why = ToldOf(sizes.error());
+  const bool told = std::ranges::any_of(check.signals, [&](const CheckedSignal& signal) {
+    const std::string name = signal.spec.name + " (column ";
+    return why.english.find("signal " + name) != std::string::npos &&
+           std::ranges::any_of(check.hints, [&](const Told& hint) { return hint.english.starts_with(name); });
+  });
+  if (!told) check.hints.push_back(why);
+}
+
 /// `known`: an earlier pass over the same log, that found readings to leave out.
 Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const LogPass* known = nullptr);
 
@@ -275,6 +290,7 @@ Result<CheckResult> LookAt(const std::string& log, const Machine& machine, const
           check.driving,
           Tell("mend what stands below, and record again", "beheben, was unten steht, und neu aufzeichnen"));
     check.hints = PlausibilityHints(check);
+    TellSizes(log, check);
     if (const Told broken =
             BrokenUp(check.pass.channels, machine, check.driving.strokes, check.driving.too_short);
         !broken.empty())

@@ -10,6 +10,7 @@ Result<FitResult> FitUnexplained(LogStrokes strokes, FitSuspicion suspicion) {
   out.trust = JudgeLog(out.log, out.fit.theta, out.fit.noise_floor);
   for (Told& warning : out.trust.Warnings()) out.suspicion.warnings.push_back(std::move(warning));
   out.suspicion.warnings.insert(out.suspicion.warnings.end(), out.log.swapped.begin(), out.log.swapped.end());
+  out.suspicion.warnings.insert(out.suspicion.warnings.end(), out.log.doubts.begin(), out.log.doubts.end());
   out.confounded = ConfoundingsOf(out.log, out.log.machine.added_effects, out.fit.parameters);
   MarkConfounded(out.confounded, out.fit.parameters);
   return out;

@@ -169,6 +169,8 @@ void JudgeDrawn(const CheckResult& check, std::vector<Told>& hints) {
 
 void JudgeFaults(const LogPass& pass, const Machine& machine, std::vector<Told>& hints) {
   hints.insert(hints.end(), pass.outside_declared.begin(), pass.outside_declared.end());
+  hints.insert(hints.end(), pass.reversed.begin(), pass.reversed.end());
+  hints.insert(hints.end(), pass.wrong_answers.begin(), pass.wrong_answers.end());
   if (!pass.no_verdict.empty()) hints.push_back(pass.no_verdict);
   for (const ReadingFaults::Echo& echo : pass.echoes) hints.push_back(echo.Sentence());
   hints.insert(hints.end(), pass.swapped.begin(), pass.swapped.end());

@@ -30,7 +30,7 @@ constexpr std::array<MachineInput, 8> kCushionSignals = {{
     MayBeMeasured("U_v", "V", {"valve command", "Ventilbefehl"}),
     MayBeMeasured("T_oil", "K", {"oil temperature", "Öltemperatur"}, kOilOfAPress),
 }};
-constexpr std::array<MachineInput, 4> kCushionGeometry = {{
+constexpr std::array<MachineInput, 5> kCushionGeometry = {{
     {.name = "A_A",
      .si = "m2",
      .required = true,
@@ -50,7 +50,16 @@ constexpr std::array<MachineInput, 4> kCushionGeometry = {{
      .si = "m",
      .required = false,
      .meaning = {"working stroke of the cushion", "Arbeitshub des Ziehkissens"},
-     .positive = true},
+     .positive = true,
+     .travel_of = "z"},
+    {.name = "Q_nom",
+     .si = "m3/s",
+     .required = false,
+     .meaning = {"nominal flow of the valve by its data sheet", "Nenndurchfluss des Ventils laut Datenblatt"},
+     .positive = true,
+     .lowest = 1e-6,
+     .highest = 0.1,
+     .unit = "l/min"},
 }};
 constexpr std::array<MachineParameter, 4> kCushionParameters = {{
     Identified(
@@ -68,12 +77,14 @@ constexpr std::array<MachineParameter, 4> kCushionParameters = {{
             "V_{0}")),
     OverOil(
         OilLaw::kViscosity,
-        Identified(
-            "Q_vn", "m3/s", {"nominal valve flow", "Nenndurchfluss des Ventils"},
-            {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-             "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
-             "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."},
-            "Q_{vn}")),
+        StatedAs(
+            "Q_nom",
+            Identified(
+                "Q_vn", "m3/s", {"nominal valve flow", "Nenndurchfluss des Ventils"},
+                {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
+                 "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
+                 "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."},
+                "Q_{vn}"))),
     {.name = "y_0",
      .si = "1",
      .meaning = {"spool null", "Nullpunkt des Schiebers"},
@@ -120,7 +131,7 @@ constexpr double kOpen = 0.05;  // of the spool, either way: beyond any overlap
 constexpr double kGoes = 0.01;  // m/s
 
 const std::array<StandstillRule, 2> kCushionStandstill = {{
-    {.signal = "y_v", .command = "U_v", .full_command = 10.0, .at_stop = 0.97},
+    {.signal = "y_v", .command = "U_v", .full_command = 10.0, .at_stop = 0.97, .end = 1.0},
     // The cushion goes down and up while the spool opens both ways: oil leaves the chamber and enters it.
     {.signal = "p_A",
      .movements = {{"y_v", false, kOpen, {}},

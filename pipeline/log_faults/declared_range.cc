@@ -37,9 +37,15 @@ DeclaredRanges::DeclaredRanges(const Machine& machine, const DeclaredRangeOption
   for (std::size_t s = 0; s < machine.signals.size(); ++s) {
     const SignalSpec& spec = machine.signals[s];
     const auto unit = FindUnit(spec.unit);
-    if (unit && unit->offset == 0 && spec.min && spec.max && !IsSizeKnown(machine, spec))
-      watched_.push_back({.signal = s});
+    if (!unit || (!spec.min && !spec.max)) continue;
+    const bool sized = unit->offset != 0 || !spec.min || !spec.max || IsSizeKnown(machine, spec);
+    watched_.push_back({.signal = s, .of_unknown_size = !sized});
   }
+}
+
+bool DeclaredRanges::IsOutside(const Readings& readings, double x) const {
+  const SignalSpec& spec = machine_.signals[readings.signal];
+  return x < spec.min.value_or(x) || x > spec.max.value_or(x);
 }
 
 void DeclaredRanges::Observe(const SampleBlock& block) {
@@ -48,20 +54,46 @@ void DeclaredRanges::Observe(const SampleBlock& block) {
     for (std::size_t row = 0; row < block.rows(); ++row) {
       const double x = block.signal[readings.signal][row];
       if (!std::isfinite(x) || (block.quality[readings.signal][row] & kNoReading) != 0) continue;
-      readings.low = readings.seen ? std::min(readings.low, x) : x;
-      readings.high = readings.seen ? std::max(readings.high, x) : x;
-      readings.seen = true;
+      readings.low = readings.seen > 0 ? std::min(readings.low, x) : x;
+      readings.high = readings.seen > 0 ? std::max(readings.high, x) : x;
+      ++readings.seen;
+      readings.outside += IsOutside(readings, x);
+      readings.reversed_outside += IsOutside(readings, -x);
     }
 }
 
 std::vector<Told> DeclaredRanges::Sentences() const {
   std::vector<Told> sentences;
   for (const Readings& readings : watched_)
-    if (Told sentence = SentenceOf(readings); !sentence.empty()) sentences.push_back(std::move(sentence));
+    for (Told sentence : {SizeText(readings), OutsideText(readings)})
+      if (!sentence.empty()) {
+        sentences.push_back(std::move(sentence));
+        break;
+      }
   return sentences;
 }
 
-Told DeclaredRanges::SentenceOf(const Readings& readings) const {
+Told DeclaredRanges::OutsideText(const Readings& readings) const {
+  const auto share_of = [&](std::int64_t rows) {
+    return static_cast<double>(rows) / static_cast<double>(std::max<std::int64_t>(1, readings.seen));
+  };
+  const double share = share_of(readings.outside), reversed = share_of(readings.reversed_outside);
+  if (share <= options_.most_outside) return {};
+  const SignalSpec& spec = machine_.signals[readings.signal];
+  return Tell(
+      "{} (column {}): {:.0f} % of the readings lie outside of min and max of the machine file and are left out, and what needs them goes "
+      "without: look at its unit, scale, offset and range{}",
+      "{} (Spalte {}): {:.0f} % der Messwerte liegen außerhalb von min und max der Maschinendatei und bleiben weg, und was sie braucht, "
+      "kommt ohne aus: Einheit, Skalierung, Nullpunkt und Bereich ansehen{}",
+      spec.name, spec.column, 100 * share,
+      reversed < options_.most_outside && share > 1 - options_.most_outside
+          ? Tell(". With its sign reversed they would lie inside: set scale = -1",
+                 ". Mit umgekehrtem Vorzeichen lägen sie innerhalb: scale = -1 setzen")
+          : Told{});
+}
+
+Told DeclaredRanges::SizeText(const Readings& readings) const {
+  if (!readings.of_unknown_size) return {};
   const SignalSpec& spec = machine_.signals[readings.signal];
   const Unit unit = *FindUnit(spec.unit);
   const double declared = std::max(std::abs(*spec.min), std::abs(*spec.max)),

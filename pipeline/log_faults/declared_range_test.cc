@@ -38,5 +38,26 @@ TEST(DeclaredRange, ASpikeIsNoReading) {
   EXPECT_THAT(OfCurrent("A", {-0.02, 20, 0.02}), testing::SizeIs(1));
 }
 
+TEST(DeclaredRange, OfASignalThatLiesOutsideOfItForMoreThanMomentsItIsSaid) {
+  Machine machine = *LoadMachine(HYDROSCOPE_SOURCE_DIR "/machines/die_cushion.toml");
+  const auto said = [&](double pressure, double outside, int rows_outside) {
+    SampleBlock rows;
+    rows.Resize(machine.signals.size(), 1000);
+    for (double& oil : rows.signal[static_cast<std::size_t>(machine.SignalIndex("T_oil"))]) oil = 313;
+    auto& p_B = rows.signal[static_cast<std::size_t>(machine.SignalIndex("p_B"))];
+    for (std::size_t k = 0; k < rows.rows(); ++k)
+      p_B[k] = k < static_cast<std::size_t>(rows_outside) ? outside : pressure + static_cast<double>(k % 7);
+    DeclaredRanges ranges(machine);
+    ranges.Observe(rows);
+    return InEnglish(ranges.Sentences());
+  };
+  EXPECT_THAT(said(60e5, 0, 0), IsEmpty());
+  EXPECT_THAT(said(60e5, -62e5, 30), IsEmpty()) << "a wire that was broken for a moment";
+  EXPECT_THAT(said(60e5, 700e5, 200),
+              ElementsAre(testing::AllOf(HasSubstr("p_B (column p_B): 20 % of the readings lie outside"),
+                                         testing::Not(HasSubstr("scale = -1")))));
+  EXPECT_THAT(said(-60e5, 0, 0), ElementsAre(HasSubstr("set scale = -1")));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -27,6 +27,10 @@ constexpr double kRestless = 0.12;
 constexpr double kMostFlow = 0.5;
 /// ... and whatever drives a valve or a motor of a machine stays below these.
 constexpr double kMostVolts = 2e3, kMostAmperes = 2e3;
+/// Pa. Cavitating oil is at a vacuum, and so is a line that runs dry; the zero of a sensor for hundreds of bar is off by less.
+constexpr double kBelowVacuum = 10e5;
+/// Of the stroke that the machine file states: a sensor may reach, and a piston go, somewhat farther.
+constexpr double kMostOfStroke = 1.5;
 /// m/s, of a machine that works: at such a speed its valve is open.
 constexpr double kWorks = 0.02;
 
@@ -189,6 +193,46 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
            shown(plausible->high), advice));
 }
 
+/// A pressure of the machine that lies as far below zero as no pressure does. One of an optional signal is told of by the pass over
+/// the log where it lies outside of what the machine file declares, since nothing is made of it then.
+Status SizeWatch::JudgeSign(std::size_t signal) const {
+  const SignalSpec& spec = machine_.signals[signal];
+  const auto unit = FindUnit(spec.unit);
+  const bool of_kind = std::ranges::any_of(KindOf(machine_).signals, [&](const MachineInput& input) {
+    return input.name == spec.name && input.si == "Pa" && input.size.has_value();
+  });
+  if (!unit || !of_kind) return {};
+  const Range seen = Seen(signal);
+  if (!(seen.low < -kBelowVacuum) || !(-seen.low > seen.high)) return {};
+  if (!spec.required && seen.high < spec.min.value_or(seen.high)) return {};
+  return BadInput(Tell(
+      "{}: signal {} (column {}) goes from {} to {}, and no pressure is below a vacuum: it counts the other way round, or its zero is "
+      "off. Set scale = -1, or the offset, for {} in [signals] of the machine file",
+      "{}: Signal {} (Spalte {}) geht von {} bis {}, und kein Druck liegt unter Vakuum: es zählt andersherum, oder sein Nullpunkt "
+      "stimmt nicht. In [signals] der Maschinendatei für {} scale = -1 oder den offset setzen",
+      machine_.name, spec.name, spec.column, Shown(seen.low, *unit, spec.unit),
+      Shown(seen.high, *unit, spec.unit), spec.name));
+}
+
+/// Whether a signal travels farther than a length of [geometry] lets it.
+Status SizeWatch::JudgeTravel(const MachineInput& length) const {
+  const auto known = machine_.Geometry(std::string(length.name));
+  const int signal = machine_.SignalIndex(std::string(length.travel_of));
+  if (!known || signal < 0) return {};
+  const Range seen = Seen(static_cast<std::size_t>(signal));
+  if (!(seen.high - seen.low > kMostOfStroke * known->value)) return {};
+  const SignalSpec& spec = machine_.signals[static_cast<std::size_t>(signal)];
+  Unit unit = FindUnit(spec.unit).value_or(Unit{});
+  unit.offset = 0;
+  return BadInput(Tell(
+      "{0}: signal {1} (column {2}) travels by {3}, farther than {4} = {5} in [geometry] of the machine file: check unit and scale of "
+      "{1}, and {4}",
+      "{0}: Signal {1} (Spalte {2}) bewegt sich um {3}, weiter als {4} = {5} in [geometry] der Maschinendatei: Einheit und Skalierung "
+      "von {1} prüfen, und {4}",
+      machine_.name, spec.name, spec.column, Shown(seen.high - seen.low, unit, spec.unit), length.name,
+      Shown(known->value, unit, spec.unit)));
+}
+
 /// The fastest that a position moves, m/s or rad/s; nothing of too few rows.
 std::optional<double> SizeWatch::TopSpeed(std::size_t signal) const {
   const std::vector<double>& z = means_[signal];
@@ -229,7 +273,12 @@ Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
 }
 
 Status SizeWatch::Judge() const {
-  for (std::size_t s = 0; s < machine_.signals.size(); ++s) TRY(JudgeSignal(s));
+  for (std::size_t s = 0; s < machine_.signals.size(); ++s) {
+    TRY(JudgeSignal(s));
+    TRY(JudgeSign(s));
+  }
+  for (const MachineInput& length : KindOf(machine_).geometry)
+    if (!length.travel_of.empty()) TRY(JudgeTravel(length));
   for (const Condition& condition : KindOf(machine_).conditions) {
     const int signal = machine_.SignalIndex(condition.signal);
     const bool limited = condition.highest > condition.lowest && condition.of == Condition::Of::kMeanRate;

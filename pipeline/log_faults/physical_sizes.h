@@ -10,6 +10,7 @@
 #include "core/records/stroke_record.h"
 #include "core/result.h"
 #include "models/machine.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 
@@ -29,6 +30,8 @@ class SizeWatch {
   struct Range;
   Range Seen(std::size_t signal) const;
   Status JudgeSignal(std::size_t signal) const;
+  Status JudgeSign(std::size_t signal) const;
+  Status JudgeTravel(const MachineInput& length) const;
   Status JudgeSpeed(const Condition& speed, std::size_t signal) const;
   std::optional<double> TopSpeed(std::size_t signal) const;
   bool Works() const;

@@ -53,11 +53,31 @@ Told ImpossibleFlow(const MachineKind& kind, const Estimate& parameter) {
       parameter.parameter, shown(parameter.value), shown(kLeastNominal), shown(kMostNominal), unit.name);
 }
 
-std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters) {
+Told UnlikeDataSheet(const Machine& machine, const Estimate& parameter, const StatedValueOptions& options) {
+  const MachineKind& kind = KindOf(machine);
+  const auto known = std::ranges::find(kind.parameters, parameter.parameter, &MachineParameter::name);
+  if (known == kind.parameters.end() || known->stated_as.empty()) return {};
+  const auto stated = machine.Geometry(std::string(known->stated_as));
+  if (!stated ||
+      MayLieWithin(parameter, stated->value / options.most_factor, stated->value * options.most_factor))
+    return {};
+  const DisplayUnit unit = ParameterUnit(kind, parameter.parameter, parameter.unit);
+  const auto shown = [&](double si) { return ShortNumber(si * unit.factor + unit.offset); };
+  return Tell(
+      "{0} comes out as {1} {4}, where {2} = {3} {4} in the machine file: unit or scale of a signal or the geometry is wrong, which the "
+      "model takes up without an error, or the part is worn or another one",
+      "{0} kommt als {1} {4} heraus, in der Maschinendatei steht {2} = {3} {4}: Einheit oder Skalierung eines Signals oder die "
+      "Geometrie ist falsch, was das Modell ohne Fehler aufnimmt, oder das Teil ist verschlissen oder ein anderes",
+      parameter.parameter, shown(parameter.value), known->stated_as, shown(stated->value), unit.name);
+}
+
+std::vector<Told> UnusualParameters(const Machine& machine, std::span<const Estimate> parameters) {
+  const MachineKind& kind = KindOf(machine);
   std::vector<Told> unusual;
   for (const Estimate& e : parameters)
     if (e.reason != EstimateReason::kOutsidePhysics && std::isfinite(e.value + e.std))
-      for (Told text : std::array<Told, 2>{UnusualModulus(kind, e), ImpossibleFlow(kind, e)})
+      for (Told text :
+           std::array<Told, 3>{UnusualModulus(kind, e), ImpossibleFlow(kind, e), UnlikeDataSheet(machine, e)})
         if (!text.empty()) unusual.push_back(std::move(text));
   return unusual;
 }

@@ -5,6 +5,7 @@
 
 #include "core/records/estimate.h"
 #include "core/told.h"
+#include "models/machine.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -17,7 +18,19 @@ Told UnusualModulus(const MachineKind& kind, const Estimate& parameter);
 /// parameters and of flows that are.
 Told ImpossibleFlow(const MachineKind& kind, const Estimate& parameter);
 
-/// Both of all parameters that may be believed.
-std::vector<Told> UnusualParameters(const MachineKind& kind, std::span<const Estimate> parameters);
+/// How far a parameter may be from what the data sheet of its part states (MachineParameter::stated_as).
+struct StatedValueOptions {
+  /// Either way. Data sheets give flows within a tenth, and an edge worn by more than a fifth wants a word as well; a reading that is
+  /// twice or half of what it should be moves a flow by the root of 2 at least.
+  double most_factor = 1.3;
+};
+
+/// A parameter that comes out far from what the machine file states of its part: a scale that is wrong leaves the model as good as
+/// it is, and only this tells it. A sentence; "" of other parameters, and where nothing is stated.
+Told UnlikeDataSheet(const Machine& machine, const Estimate& parameter,
+                     const StatedValueOptions& options = {});
+
+/// All three of all parameters that may be believed.
+std::vector<Told> UnusualParameters(const Machine& machine, std::span<const Estimate> parameters);
 
 }  // namespace hydroscope

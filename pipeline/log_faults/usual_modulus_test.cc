@@ -3,12 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace hydroscope {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
 
+Machine PlainCushion() {
+  Machine machine;
+  machine.model = "die_cushion";
+  return machine;
+}
 const MachineKind& CushionKind() { return *FindKind("die_cushion"); }
 
 Estimate OfValue(const char* parameter, const char* unit, double value) {
@@ -32,7 +39,20 @@ TEST(UsualParameters, AFlowThatNoValvePassesIsAWrongUnit) {
 TEST(UsualParameters, AreSaidOfAll) {
   const std::vector<Estimate> parameters = {OfValue("K", "Pa", 1.2e8), OfValue("Q_vn", "m3/s", 0.17),
                                             OfValue("V0", "m3", 1e-3)};
-  EXPECT_EQ(UnusualParameters(CushionKind(), parameters).size(), 2u);
+  EXPECT_EQ(UnusualParameters(PlainCushion(), parameters).size(), 2u);
+}
+
+TEST(UsualParameters, AFlowFarFromTheDataSheetOfTheValveIsSaid) {
+  Machine machine = PlainCushion();
+  const auto said = [&](double flow) {
+    return UnlikeDataSheet(machine, OfValue("Q_vn", "m3/s", flow)).english;
+  };
+  EXPECT_EQ(said(1.7e-3), "") << "nothing is stated";
+  machine.geometry["Q_nom"] = {1.7e-3, 0};
+  for (const double flow : {1.7e-3, 1.4e-3, 2.1e-3}) EXPECT_EQ(said(flow), "") << flow;
+  for (const double flow : {1.7e-3 / std::numbers::sqrt2, 1.7e-3 * std::numbers::sqrt2, 1.7e-2})
+    EXPECT_THAT(said(flow), HasSubstr("where Q_nom = 102 l/min in the machine file")) << flow;
+  EXPECT_EQ(UnlikeDataSheet(machine, OfValue("V0", "m3", 0.17)).english, "");
 }
 
 }  // namespace

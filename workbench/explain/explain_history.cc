@@ -141,7 +141,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   MarkCarriedByError(strokes_under(out.explanation.model), out.explanation.base, out.base);
   RefuseVerdict(history.no_verdict.empty() ? ImpossibleFigures(out.base) : Told{history.no_verdict, ""},
                 out.explanation);
-  RefuseImpossibleParameters(KindOf(history.machine), history.units.size(), out.explanation);
+  RefuseImpossibleParameters(history.machine, history.units.size(), out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
   for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))
     out.unmeasured.push_back(std::move(effect));

@@ -176,14 +176,15 @@ void RefuseVerdict(const Told& why, Explanation& x) {
   x.doubt = {};
 }
 
-void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Explanation& x) {
+void RefuseImpossibleParameters(const Machine& machine, std::size_t strokes, Explanation& x) {
+  const MachineKind& kind = KindOf(machine);
   if (!x.no_verdict.empty()) return;
   const std::vector<Estimate> parameters = BaseParameters(*x.model, x.final, static_cast<int>(strokes));
   for (const Estimate& e : parameters)
     if (const Told impossible = ImpossibleFlow(kind, e);
         e.reason != EstimateReason::kOutsidePhysics && std::isfinite(e.value + e.std) && !impossible.empty())
       return RefuseVerdict(impossible, x);
-  for (Told& unusual : UnusualParameters(kind, parameters)) x.warnings.push_back(std::move(unusual));
+  for (Told& unusual : UnusualParameters(machine, parameters)) x.warnings.push_back(std::move(unusual));
   if (x.verdict == Verdict::kUnknown) return;
   const auto wrong = std::ranges::find_if(parameters, [](const Estimate& e) {
     return e.reason == EstimateReason::kOutsidePhysics && std::abs(e.value) > kNormal95 * e.std;
@@ -252,6 +253,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   const Explanation& x = out.explanation;
   if (!x.base.solved) return out;
   WarnOfFloor(floor, out.explanation);
+  out.explanation.warnings.insert(out.explanation.warnings.end(), log.doubts.begin(), log.doubts.end());
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   DoubtForUntried(
       log.machine, [&](int channel) { return HasSamples(log, *x.model, channel); }, out.explanation);
@@ -268,7 +270,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
                 : out.trust.rate.fast_enough ? ImpossibleFigures(figures)
                                              : out.trust.rate.sentence,
                 out.explanation);
-  RefuseImpossibleParameters(KindOf(log.machine), log.stretches.size(), out.explanation);
+  RefuseImpossibleParameters(log.machine, log.stretches.size(), out.explanation);
   return out;
 }
 

@@ -104,7 +104,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
 void RefuseVerdict(const Told& why, Explanation& explanation);
 /// Takes an all-clear back, and flags a name, where a parameter of the model is surely where physics allows none (a negative flow
 /// gain): a signal turned round leaves a model that fits as well.
-void RefuseImpossibleParameters(const MachineKind& kind, std::size_t strokes, Explanation& explanation);
+void RefuseImpossibleParameters(const Machine& machine, std::size_t strokes, Explanation& explanation);
 
 /// Why so few strokes carry no verdict, "" if they do.
 Told TooFewForVerdict(std::size_t strokes, const CountedWords& counted);
