@@ -9,6 +9,7 @@
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/episode_cutter.h"
+#include "pipeline/log_faults/hung_input.h"
 #include "pipeline/log_faults/physical_sizes.h"
 #include "pipeline/log_faults/sensor_ends.h"
 #include "pipeline/raw_log.h"
@@ -27,17 +28,18 @@ std::vector<double> SpikeShares(const SampleBlock& rows) {
 }
 
 /// What FlagSensorEnds flags counts like what the monitor does.
-void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
-                        SampleBlock& rows, EpisodeLog& out) {
+std::vector<SensorEnd> LeaveOutSensorEnds(const Machine& machine, const std::vector<int>& outputs,
+                                          SampleBlock& rows, EpisodeLog& out) {
   const auto counted = [&](std::size_t signal) {
     const auto& flags = rows.quality[signal];
     return std::ranges::count_if(flags, [](Quality q) { return (q & quality::kOutOfRange) != 0; });
   };
   std::vector<std::int64_t> before;
   for (std::size_t s = 0; s < machine.signals.size(); ++s) before.push_back(counted(s));
-  for (const SensorEnd& end : FlagSensorEnds(machine, outputs, rows)) {
+  std::vector<SensorEnd> ends = FlagSensorEnds(machine, outputs, rows);
+  for (const SensorEnd& end : ends) {
     const auto s = static_cast<std::size_t>(end.signal);
-    out.warnings.push_back(Tell("{}: {}", "{}: {}", log, SensorEndText(end, machine)));
+    out.warnings.push_back(SensorEndText(end, machine));
     const std::int64_t more = counted(s) - before[s];
     before[s] += more;
     if (more == 0) continue;
@@ -49,6 +51,7 @@ void LeaveOutSensorEnds(const std::string& log, const Machine& machine, const st
     const double first = rows.time[at - rows.signal[s].begin()];
     channel.first_bad = std::isnan(channel.first_bad) ? first : std::min(channel.first_bad, first);
   }
+  return ends;
 }
 
 /// All rows of one log with their flags.
@@ -108,8 +111,8 @@ constexpr double kToldStuck =
     0.01;  ///< share of the rows of a log from which on an output that stood is told of
 
 /// Warns of outputs that stood while their rows are left out.
-void TellStuck(const std::string& log, const Machine& machine, const std::vector<int>& outputs,
-               const SampleBlock& rows, EpisodeLog& out) {
+void TellStuck(const Machine& machine, const std::vector<int>& outputs, const SampleBlock& rows,
+               EpisodeLog& out) {
   const auto stands = [](Quality q) { return (q & quality::kStuck) != 0; };
   for (const int s : outputs) {
     const SignalSpec& signal = machine.signals[static_cast<std::size_t>(s)];
@@ -119,12 +122,42 @@ void TellStuck(const std::string& log, const Machine& machine, const std::vector
         !EpisodeCutter::JudgesStuck(signal, out.period))
       continue;
     out.warnings.push_back(Tell(
-        "{}: {} (column {}) stands still in {} rows, first at {:.4g} s: its sensor, wire or logger hung, and that is left out",
-        "{}: {} (Spalte {}) steht in {} Zeilen still, zuerst bei {:.4g} s: Sensor, Leitung oder Logger hing, und diese "
+        "{} (column {}) stands still in {} rows, first at {:.4g} s: its sensor, wire or logger hung, and that is left out",
+        "{} (Spalte {}) steht in {} Zeilen still, zuerst bei {:.4g} s: Sensor, Leitung oder Logger hing, und diese "
         "Messwerte bleiben weg",
-        log, signal.name, signal.column, count,
+        signal.name, signal.column, count,
         rows.time[static_cast<std::size_t>(std::ranges::find_if(flags, stands) - flags.begin())]));
   }
+}
+
+/// Warns of inputs that hung, or never move.
+std::vector<FrozenStretch> LeaveOutHungInputs(const Machine& machine, const StateModel& model,
+                                              SampleBlock& rows, EpisodeLog& out) {
+  std::vector<FrozenStretch> hung = HungInputs(machine, model.inputs, model.outputs, rows);
+  std::vector<Told> texts = HungTexts(hung, machine);
+  texts.push_back(NoInputMoves(machine, model.inputs, model.outputs, rows));
+  LeaveOutHung(hung, rows);
+  for (Told& text : texts)
+    if (!text.empty()) out.warnings.push_back(std::move(text));
+  return hung;
+}
+
+/// Readings that rows are left without.
+struct WrongReadings {
+  std::vector<SensorEnd> ends;
+  std::vector<FrozenStretch> hung;
+};
+
+/// What every command leaves out of the rows of a log, and says.
+WrongReadings LeaveOutWrong(const Machine& machine, const StateModel& model, SampleBlock& rows,
+                            EpisodeLog& out) {
+  WrongReadings wrong;
+  wrong.ends = LeaveOutSensorEnds(machine, model.outputs, rows, out);
+  TellStuck(machine, model.outputs, rows, out);
+  wrong.hung = LeaveOutHungInputs(machine, model, rows, out);
+  for (const SensorEnd& end : FlaggedInputEnds(model.machine, model.inputs, rows))
+    out.warnings.push_back(InputEndText(end, machine));
+  return wrong;
 }
 
 Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const Machine& machine) {
@@ -136,10 +169,10 @@ Result<EpisodeLog> ReadWithAnySigns(const std::vector<std::string>& logs, const 
     TRY(JudgeSizes(log, machine));
     auto rows = TRY(ReadRows(log, machine, out));
     TRY(JudgeAbsent(log, machine, model->outputs, rows));
-    LeaveOutSensorEnds(log, machine, model->outputs, rows, out);
-    TellStuck(log, machine, model->outputs, rows, out);
-    for (const SensorEnd& end : FlaggedInputEnds(model->machine, model->inputs, rows))
-      out.warnings.push_back(Tell("{}: {}", "{}: {}", log, InputEndText(end, machine)));
+    const std::size_t said = out.warnings.size();
+    LeaveOutWrong(machine, *model, rows, out);
+    for (std::size_t k = said; k < out.warnings.size(); ++k)
+      out.warnings[k] = Tell("{}: {}", "{}: {}", log, out.warnings[k]);
     EpisodeCutter cutter(
         model->machine, {model->inputs, model->outputs},
         {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},
@@ -179,6 +212,22 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
     first = next;
   }
   return out;
+}
+
+LogPassHooks KnownOfEpisodes(const std::string& log, const Machine& machine) {
+  LogPassHooks known;
+  const auto model = BuildStateModel(machine, machine.added_effects);
+  if (!model) return known;
+  EpisodeLog out;
+  auto rows = ReadRows(log, machine, out);
+  if (!rows) return known;
+  out.warnings.clear();  // the pass that follows says these itself
+  const WrongReadings wrong = LeaveOutWrong(machine, **model, *rows, out);
+  known.known_cut_offs = AsCutOffs(wrong.ends);
+  known.known_hung = wrong.hung;
+  known.known_frozen = std::move(out.pass.frozen);
+  known.known_texts = std::move(out.warnings);
+  return known;
 }
 
 Status JudgeSigns(const std::string& log, const Machine& machine) {

@@ -28,6 +28,10 @@ struct EpisodeLog {
 /// why), a rate in [gate].
 Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine);
 
+/// What ReadEpisodes leaves out of a log, for a pass that takes its rows one by one: readings where sensors end or have frozen, and of
+/// inputs that hung, with what is said of them. Nothing of a log that cannot be read.
+LogPassHooks KnownOfEpisodes(const std::string& log, const Machine& machine);
+
 /// Error where a signal of a log counts the other way round (ReversedSignalIn); what else keeps it from being read is no matter here.
 Status JudgeSigns(const std::string& log, const Machine& machine);
 

@@ -8,6 +8,7 @@
 #include "host/output.h"
 #include "pipeline/log_faults/command_answer.h"
 #include "pipeline/log_faults/declared_range.h"
+#include "pipeline/log_faults/hung_input.h"
 #include "pipeline/log_faults/swapped_pressures.h"
 
 namespace hydroscope {
@@ -54,7 +55,9 @@ void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass
 
 std::vector<Told> LogPass::LeftOut(const Machine& machine) const {
   std::vector<Told> texts = FrozenTexts(frozen, machine);
-  for (const CutOff& cut : cut_offs) texts.push_back(cut.text);
+  for (const CutOff& cut : cut_offs)
+    if (!cut.text.empty()) texts.push_back(cut.text);
+  texts.insert(texts.end(), known_texts.begin(), known_texts.end());
   return texts;
 }
 
@@ -78,6 +81,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   if (hooks.distrust_logger && hooks.known_cut_offs.empty()) saturated.emplace(machine);
   const auto judge = [&](SampleBlock& block) {
     FlagFrozen(hooks.known_frozen, block);
+    LeaveOutHung(hooks.known_hung, block);
     if (straight) straight->Inspect(block);
     monitor.Inspect(block);
   };
@@ -128,6 +132,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
                                   static_cast<double>(std::max<std::int64_t>(1, pass.summary.rows)));
   pass.wrong_answers = answers.Sizes();
   pass.frozen = frozen ? frozen->Found() : hooks.known_frozen;
+  pass.known_texts = hooks.known_texts;
   pass.cut_offs = hooks.known_cut_offs;
   if (pass.cut_offs.empty()) pass.cut_offs = CutOffsOf(pass.channels, machine);
   if (saturated)

@@ -29,6 +29,7 @@ struct LogPass {
   std::vector<Told> wrong_answers;     ///< CommandAnswers::Sizes
   std::vector<CutOff> cut_offs;        ///< those that were known, else those seen
   std::vector<FrozenStretch> frozen;   ///< the same
+  std::vector<Told> known_texts;       ///< LogPassHooks::known_texts
 
   /// Whether a pass that knows of these would leave out more readings.
   bool WouldLeaveOutMore() const { return !cut_offs.empty() || !frozen.empty(); }
@@ -47,6 +48,8 @@ struct LogPassHooks {
   /// Of an earlier pass over the same log: readings beyond are flagged from the first one on.
   std::vector<CutOff> known_cut_offs;
   std::vector<FrozenStretch> known_frozen;  ///< the same, flagged kStuck
+  std::vector<FrozenStretch> known_hung;    ///< of inputs, whose readings are taken out (HungInputs)
+  std::vector<Told> known_texts;            ///< what was said of it, for LogPass::LeftOut
   std::int64_t most_rows = std::numeric_limits<std::int64_t>::max();  ///< the pass ends behind these
 };
 

@@ -204,8 +204,9 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
 }
 
 /// What a look at the beginning of a log leaves out of it: readings where sensors turn out to end or to have frozen, from the first
-/// one on. Sensors that end later are seen while it is replayed.
+/// one on. Sensors that end later are seen while it is replayed; of a machine with states the whole log is looked at.
 LogPassHooks AxisReplay::KnownOf(const std::string& log) const {
+  if (KindOf(machine_).has_states) return KnownOfEpisodes(log, machine_);
   LogPassHooks known;
   std::string note;
   auto reader = Open(log, note);

@@ -20,6 +20,7 @@ class Tanks : public CommandLine {
 
   int episodes_ = 200, change_ = 120, rows_ = 200;  ///< rows of an episode
   double period_ = 1;                               ///< s between rows, and the unit of time of everything
+  double noise_ = 0.02;                             ///< V, of the levels
   double overflow_ = 0;  ///< 1/s, of what stands above 5 in the first: not in the machine file
 
   double Second(int episode, double rate) const {
@@ -57,7 +58,7 @@ seconds = {}
   std::string Log(double rate) {
     std::string text = "t,u,y_1,y_2\n";
     std::mt19937 random(4);
-    std::normal_distribution<double> noise(0, 0.02);
+    std::normal_distribution<double> noise(0, noise_);
     std::uniform_int_distribution<int> level(100, 500);
     double u = 3;
     Levels h = {4, 4};

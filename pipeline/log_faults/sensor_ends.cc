@@ -157,6 +157,13 @@ std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vecto
   return found;
 }
 
+std::vector<CutOff> AsCutOffs(const std::vector<SensorEnd>& ends) {
+  std::vector<CutOff> out;
+  for (const SensorEnd& end : ends)
+    out.push_back({.signal = static_cast<std::size_t>(end.signal), .upper = end.upper, .from = end.at});
+  return out;
+}
+
 Told SensorEndText(const SensorEnd& end, const Machine& machine) {
   const std::string& signal = machine.signals[end.signal].name;
   const DisplayUnit unit = ShownUnit(machine, signal);

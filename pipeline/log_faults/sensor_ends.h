@@ -6,6 +6,7 @@
 #include "core/records/sample_block.h"
 #include "core/told.h"
 #include "models/machine.h"
+#include "pipeline/log_faults/cut_off.h"
 
 namespace hydroscope {
 
@@ -28,6 +29,9 @@ std::vector<SensorEnd> FlagSensorEnds(const Machine& machine, const std::vector<
 /// which episodes have to do.
 std::vector<SensorEnd> FlaggedInputEnds(const Machine& machine, const std::vector<int>& inputs,
                                         const SampleBlock& rows);
+
+/// Ends as a pass over a log takes them that knows of them beforehand, without a text.
+std::vector<CutOff> AsCutOffs(const std::vector<SensorEnd>& ends);
 
 /// Sentences that say so.
 Told SensorEndText(const SensorEnd& end, const Machine& machine);
