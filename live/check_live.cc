@@ -14,6 +14,7 @@
 #include "live/inbox.h"
 #include "models/doubled_signals.h"
 #include "models/source_kind.h"
+#include "pipeline/log_faults/command_answer.h"
 
 namespace hydroscope {
 namespace {
@@ -96,6 +97,7 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
   const std::size_t signals = machine.signals.size();
   std::vector<QualityMonitor> monitors;
   for (int a = 0; a < axes; ++a) monitors.emplace_back(machine, machine.live->grid_period);
+  std::vector<CommandAnswers> answers(static_cast<std::size_t>(axes), CommandAnswers(machine));
   std::vector<Range> ranges(static_cast<std::size_t>(axes) * signals);
   auto sources = factory(machine, clock);
   for (std::size_t i = 0; i < sources.size(); ++i)
@@ -115,6 +117,7 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     for (int a = 0; a < axes; ++a)
       while (aligner.Take(a, block)) {
         monitors[static_cast<std::size_t>(a)].Inspect(block);
+        answers[static_cast<std::size_t>(a)].Observe(block);
         for (std::size_t s = 0; s < signals; ++s)
           for (std::size_t k = 0; k < block.rows(); ++k)
             if (block.quality[s][k] == quality::kGood)
@@ -148,6 +151,10 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     AddHints(spec, machine, seen.rows, channel);
     for (const DoubledSignals& pair : doubled)
       if (pair.live && pair.second == live.signal) channel.hints.push_back(pair.text.english);
+    const CommandAnswers& answer = answers[static_cast<std::size_t>(live.axis)];
+    for (const auto& faults : {answer.Against(), answer.Sizes()})
+      for (const CommandAnswers::Fault& fault : faults)
+        if (fault.signal == live.signal) channel.hints.push_back(fault.text.english);
     check.channels.push_back(std::move(channel));
   }
   return check;

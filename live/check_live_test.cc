@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "core/shown_width.h"
+#include "live/live_service_fixture.h"
 
 namespace hydroscope {
 namespace {
@@ -31,6 +33,28 @@ TEST(CheckLive, RowsOfChannelsFitALine) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find(" -      123456"), std::string::npos) << "a number has no unit\n" << text;
+}
+
+TEST(CheckLive, ASpoolThatMovesBeyondItsEndsHasAWrongScale) {
+  using namespace live_service_test;
+  std::string text = kMachine;
+  const std::string spool = R"(y_v = { dds = "{axis}/y_v", unit = "1")";
+  text.replace(text.find(spool), spool.size(), spool + ", scale = 5");
+  const Machine machine = *ParseMachine(text, "press.toml");
+  PlayedClock clock;
+  const auto sources = [&clock](const Machine&, const Clock&) {
+    std::vector<std::unique_ptr<Source>> list;
+    list.push_back(std::make_unique<PlayedSource>(clock, 1, 0, 5000, 0));
+    return list;
+  };
+  const auto check = CheckLive(machine, 9, sources, [&clock] { return clock(); });
+  ASSERT_TRUE(check) << check.error().text;
+  for (const CheckedChannel& channel : check->channels) {
+    const bool told = std::ranges::any_of(channel.hints, [](const std::string& hint) {
+      return hint.find("% of where it ends") != std::string::npos;
+    });
+    EXPECT_EQ(told, channel.name.ends_with("/y_v")) << channel.name;
+  }
 }
 
 }  // namespace

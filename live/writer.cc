@@ -311,20 +311,20 @@ Status LiveWriter::LookAtFile() {
                    false);
 }
 
-/// Begins a look if somebody else wrote into the file: another program of ours, or one that damages it.
+/// Begins a look if somebody else wrote into the file: another program of ours, or one that damages it. Not one that deletes it.
 void LiveWriter::LookForDamage() {
   std::lock_guard lock(mutex_);
   const std::int64_t written = LastWritten(path_);
-  if (checking_ || checkpointing_ || written == written_)
-    return;  // a look under way may have passed the place already
+  if (checking_ || checkpointing_ || written == written_) return;  // a look under way may have passed it
   checking_ = true;
   written_ = written;
-  checker_ = std::jthread([this](const std::stop_token& stop) {
+  checker_ = std::jthread([this, file = file_](const std::stop_token& stop) {
     const Status sound = Database::Check(path_, stop);
     {
       std::lock_guard locked(mutex_);
       checking_ = false;
-      if (!sound && sound.error().kind == ErrorKind::kBadInput && !MayPass(sound.error()))
+      if (!sound && sound.error().kind == ErrorKind::kBadInput && !MayPass(sound.error()) &&
+          FileIdentity::Of(path_) == file)
         damage_ = ToldOf(sound.error());
     }
     changed_.notify_all();

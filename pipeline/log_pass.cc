@@ -128,9 +128,10 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   pass.echoes = faults.Echoes();
   pass.swapped = swapped.Sentences();
   pass.outside_declared = declared.Sentences();
-  pass.reversed = answers.Against(static_cast<double>(pass.summary.gated) /
-                                  static_cast<double>(std::max<std::int64_t>(1, pass.summary.rows)));
-  pass.wrong_answers = answers.Sizes();
+  const auto rows = static_cast<double>(std::max<std::int64_t>(1, pass.summary.rows));
+  for (CommandAnswers::Fault& fault : answers.Against(static_cast<double>(pass.summary.gated) / rows))
+    pass.reversed.push_back(std::move(fault.text));
+  for (CommandAnswers::Fault& fault : answers.Sizes()) pass.wrong_answers.push_back(std::move(fault.text));
   pass.frozen = frozen ? frozen->Found() : hooks.known_frozen;
   pass.known_texts = hooks.known_texts;
   pass.cut_offs = hooks.known_cut_offs;

@@ -47,7 +47,7 @@ class StatesReplay : public Tanks {
       }
       double t = 0, u = 0, y_1 = 0, y_2 = 0;
       std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &t, &u, &y_1, &y_2);
-      const bool hung = hangs && row > 3000 && row < 3400;
+      const bool hung = hangs && row > 1200 && row < 1600;
       if (!hung) held = fmt::format("{:.4f}", u + noise(random));
       text += fmt::format("{:.6g},{},{:.5f},{:.5f}\n", t, held, y_1, ends ? std::min(y_2, 4.5) : y_2);
     }
@@ -56,41 +56,40 @@ class StatesReplay : public Tanks {
     machine.replace(machine.find("dds = \"u\""), 9, "stuck_time = 30, dds = \"u\"");
     WriteText(File("tank.toml"), machine);
   }
-  void ExpectSaid(const testing::Matcher<std::string>& said) {
+  void ExpectSaid(const std::vector<std::string>& commands, const testing::Matcher<std::string>& said) {
     std::filesystem::remove(File("tank.db"));
-    for (const std::vector<std::string>& command : {std::vector<std::string>{"check", File("tank.csv")},
-                                                    {"fit", File("tank.csv")},
-                                                    {"explain", File("tank.csv")},
-                                                    {"replay", File("tank.csv"), "--db", File("tank.db")}}) {
-      std::vector<std::string> words = command;
-      words.insert(words.end(), {"-m", File("tank.toml")});
+    for (const std::string& command : commands) {
+      std::vector<std::string> words = {command, File("tank.csv"), "-m", File("tank.toml")};
+      if (command == "replay") words.insert(words.end(), {"--db", File("tank.db")});
       const Ran ran = Run(words);
-      EXPECT_EQ(ran.exit_code == 0 || command.front() == "check", true) << ran.err;
-      EXPECT_THAT(ran.out + ran.err, said) << command.front();
+      EXPECT_TRUE(ran.exit_code == 0 || command == "check") << ran.err;
+      EXPECT_THAT(ran.out + ran.err, said) << command;
     }
   }
 };
 
 TEST_F(StatesReplay, LeavesOutWhatSensorsThatEndReadAsExplainDoes) {
-  episodes_ = 30;
+  episodes_ = 12;
   change_ = 1000;
   noise_ = 5e-4;  // so little that none is seen to be cut off
   WriteLog(true, false);
-  ExpectSaid(HasSubstr("level_2 stands at its highest reading, 4.5 V"));
+  ExpectSaid({"check", "fit", "explain", "replay"},
+             HasSubstr("level_2 stands at its highest reading, 4.5 V"));
 }
 
 TEST_F(StatesReplay, LeavesOutAnInputThatHungAsExplainDoes) {
-  episodes_ = 30;
+  episodes_ = 12;
   change_ = 1000;
   WriteLog(false, true);
-  ExpectSaid(HasSubstr("u (column u) repeats one reading from 300"));
+  ExpectSaid({"check", "fit", "replay"}, HasSubstr("u (column u) repeats one reading from 120"));
 }
 
 TEST_F(StatesReplay, OfASoundLogSaysNothingOfSensors) {
-  episodes_ = 30;
+  episodes_ = 12;
   change_ = 1000;
   WriteLog(false, false);
-  ExpectSaid(AllOf(Not(HasSubstr("stands at")), Not(HasSubstr("repeats one reading")),
+  ExpectSaid({"check", "fit", "replay"},
+             AllOf(Not(HasSubstr("stands at")), Not(HasSubstr("repeats one reading")),
                    Not(HasSubstr("one and the same"))));
 }
 

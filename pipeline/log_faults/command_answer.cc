@@ -23,6 +23,7 @@ double FullCommand(const StandstillRule& rule, const SignalSpec& command) {
 }
 
 Told ColumnTold(const SignalSpec& spec) {
+  if (spec.column.empty()) return Told(spec.name);
   return Tell("{} (column {})", "{} (Spalte {})", spec.name, spec.column);
 }
 
@@ -83,26 +84,31 @@ Told CommandAnswers::NamesOf(const Pair& pair) const {
 }
 
 /// Which of the two it is; "" if neither is likelier.
-Told CommandAnswers::LikelyText(const Pair& pair, double in_gate) const {
-  if (in_gate >= options_.strokes)
+Told CommandAnswers::LikelyText(const Pair& pair, std::optional<double> in_gate) const {
+  if (!in_gate) return {};
+  if (*in_gate >= options_.strokes)
     return Tell(", as the gate finds strokes with {} as it is, most likely {}",
                 ", und da das Gate mit {}, wie es ist, Hübe findet, höchstwahrscheinlich {}",
                 pair.rule->signal, pair.rule->command);
-  if (in_gate > options_.no_strokes) return {};
+  if (*in_gate > options_.no_strokes) return {};
   return Tell(", as the gate finds no strokes with {} as it is, most likely {}",
               ", und da das Gate mit {}, wie es ist, keine Hübe findet, höchstwahrscheinlich {}",
               pair.rule->signal, pair.rule->signal);
 }
 
-std::vector<Told> CommandAnswers::Against(double in_gate) const {
-  std::vector<Told> sentences;
+std::vector<CommandAnswers::Fault> CommandAnswers::Against(std::optional<double> in_gate) const {
+  std::vector<Fault> faults;
   for (const Pair& pair : pairs_)
     if (Moves(pair) && pair.Correlation() <= -options_.against)
-      sentences.push_back(Tell(
-          "{} go against each other: one of the two counts the other way round{}. Set scale = -1 for it in [signals] of the machine file",
-          "{} bewegen sich gegeneinander: eines der beiden zählt andersherum{}. Dafür in [signals] der Maschinendatei scale = -1 setzen",
-          NamesOf(pair), LikelyText(pair, in_gate)));
-  return sentences;
+      faults.push_back(
+          {pair.signal,
+           Tell(
+               "{} go against each other: one of the two counts the other way round{}. Set scale = -1 for it in [signals] of the machine "
+               "file",
+               "{} bewegen sich gegeneinander: eines der beiden zählt andersherum{}. Dafür in [signals] der Maschinendatei scale = -1 "
+               "setzen",
+               NamesOf(pair), LikelyText(pair, in_gate))});
+  return faults;
 }
 
 /// Moved farther than its end.
@@ -130,12 +136,12 @@ Told CommandAnswers::GainText(const Pair& pair) const {
       NamesOf(pair), gain, pair.full / gain / unit.scale, pair.full / unit.scale, command.unit, command.name);
 }
 
-std::vector<Told> CommandAnswers::Sizes() const {
-  std::vector<Told> sentences;
+std::vector<CommandAnswers::Fault> CommandAnswers::Sizes() const {
+  std::vector<Fault> faults;
   for (const Pair& pair : pairs_)
     for (Told text : {BeyondText(pair), GainText(pair)})
-      if (!text.empty()) sentences.push_back(std::move(text));
-  return sentences;
+      if (!text.empty()) faults.push_back({pair.signal, std::move(text)});
+  return faults;
 }
 
 }  // namespace hydroscope

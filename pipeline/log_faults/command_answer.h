@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/records/sample_block.h"
@@ -39,11 +40,16 @@ class CommandAnswers {
   explicit CommandAnswers(const Machine& machine, const CommandAnswerOptions& options = {});
   /// Rows with their flags set.
   void Observe(const SampleBlock& block);
-  /// A sentence for each signal that counts the other way round than its command. `in_gate`: share of the rows of the log that [gate]
-  /// lets through, which tells which of the two it is.
-  std::vector<Told> Against(double in_gate) const;
-  /// A sentence for each other fault.
-  std::vector<Told> Sizes() const;
+  /// What is wrong with a signal of the machine.
+  struct Fault {
+    int signal = -1;
+    Told text;
+  };
+  /// Signals that count the other way round than their command. `in_gate`: share of the rows of the log that [gate] lets through,
+  /// where it is known, which tells which of the two it is.
+  std::vector<Fault> Against(std::optional<double> in_gate = {}) const;
+  /// Every other fault.
+  std::vector<Fault> Sizes() const;
 
  private:
   struct Pair {
@@ -60,7 +66,7 @@ class CommandAnswers {
   };
   bool Moves(const Pair& pair) const;
   Told NamesOf(const Pair& pair) const;
-  Told LikelyText(const Pair& pair, double in_gate) const;
+  Told LikelyText(const Pair& pair, std::optional<double> in_gate) const;
   Told BeyondText(const Pair& pair) const;
   Told GainText(const Pair& pair) const;
 
