@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
+#include <string_view>
 
 #include "core/told_error.h"
 #include "storage/blobs/content_hash.h"
@@ -75,6 +77,15 @@ std::vector<std::int64_t> MachineIds(Connection& connection) {
   return ids;
 }
 
+/// Whether what quick_check says is that a page could not be read, SQLITE_IOERR and its kinds: beside a writer who closes its
+/// connections that tells nothing of the file, and where the disk fails the next step says so.
+bool IsReadError(const std::string& found) {
+  constexpr std::string_view kCode = "unable to get the page. error code=";
+  constexpr int kKinds = 0xff;  // the rest of a code says which kind of error it is
+  const std::size_t at = found.find(kCode);
+  return at != std::string::npos && (std::atoi(found.c_str() + at + kCode.size()) & kKinds) == SQLITE_IOERR;
+}
+
 }  // namespace
 
 Status Database::Check(const std::string& path, const std::stop_token& stop) {
@@ -91,6 +102,9 @@ Status Database::Check(const std::string& path, const std::stop_token& stop) {
     std::string found = query.Text(0);
     if (found == "ok") return {};
     std::ranges::replace(found, '\n', ' ');
+    if (IsReadError(found))
+      return InternalError(
+          Tell("{} cannot be read through ({})", "{} ist nicht bis zum Ende zu lesen ({})", path, found));
     return BadInput(Tell("{} is damaged ({})", "{} ist beschädigt ({})", path, found));
   });
   sqlite3_progress_handler(db.getHandle(), 0, nullptr, nullptr);

@@ -34,7 +34,8 @@ TEST_F(StatesLive, IsFollowedWhileItWorksAndItsDriftRaised) {
            std::string::npos;
   })) << Run({"alarms", "--db", File("tank.db"), "list"}).out
       << Run({"status", "--db", File("tank.db")}).out;
-  EXPECT_EQ(service.Kill(SIGTERM), 0) << ReadText(File("served.err"));
+  EXPECT_EQ(service.Kill(SIGTERM), 0);
+  SCOPED_TRACE(ReadText(File("served.err")));
   const std::string alarms = Run({"alarms", "--db", File("tank.db"), "list"}).out;
   EXPECT_THAT(alarms, Not(HasSubstr("unnamed_change_k1")));
   EXPECT_THAT(alarms, ContainsRegex("k2 -[1-4][0-9]\\.[0-9]+ ± [0-9.]+ %"));  // not per cent of the number 1

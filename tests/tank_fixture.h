@@ -73,7 +73,9 @@ seconds = {}
   }
   /// Of k1, k2, pump: the share of the stored episodes from 20 on whose 95 % interval holds the truth.
   std::array<double, 3> Coverage(double rate) {
-    const auto trends = nlohmann::json::parse(Run({"trends", "--db", File("tank.db"), "--json", "-"}).out);
+    const Ran ran = Run({"trends", "--db", File("tank.db"), "--json", "-"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    const auto trends = ran.Json();
     std::array<int, 3> inside{}, judged{};
     for (const auto& point : trends.at("points")) {
       const int episode = point.at("stroke").get<int>();
