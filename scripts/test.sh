@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets up, builds everything and runs the tests but for the long ones. Arguments go to ctest.
-#   scripts/test.sh              some seven minutes after the build
+#   scripts/test.sh              eight to nine minutes after the build
 #   scripts/test.sh -R Replay    those whose names hold Replay
 #   scripts/test.sh --long       the long ones of tests/long_tests.txt
 #   scripts/test.sh --quarter    every fourth of the long ones, others after each commit

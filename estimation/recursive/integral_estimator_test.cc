@@ -154,7 +154,7 @@ TEST(IntegralEstimator, TimeConstantsAreNamedByPhysicalOrRegressionParameter) {
     EstimatorSpec spec;
     spec.time_constants[name] = 3;
     Bench bench(spec);
-    bench.Strokes(0, 10);
+    bench.Strokes(0, 3);
     return bench.estimator().theta();
   };
   EXPECT_EQ(theta("K"), theta("theta3"));

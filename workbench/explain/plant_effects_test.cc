@@ -20,7 +20,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kSeconds = 120;
+constexpr double kSeconds = 120, kShortSeconds = 70;
 
 /// An imperfection of the simulator and the parameter of the library's law that it should come out as.
 struct PlantCase {
@@ -31,7 +31,7 @@ struct PlantCase {
 };
 
 /// Rate at which a reciprocal falls that ends at 1 / (1 + change) of its beginning.
-double RateOfReciprocal(double change) { return change / (1 + change) / kSeconds; }
+double RateOfReciprocal(double change) { return change / (1 + change) / kShortSeconds; }
 
 std::vector<PlantCase> PlantCases() {
   return {{"return_line_resistance", 1e9, 1e9},
@@ -41,7 +41,7 @@ std::vector<PlantCase> PlantCases() {
           {"leakage_temperature", 4e-12, 4e-12},
           {"supply_leakage", 1e-8, 1e-8},
           {"pressure_gain_temperature", 3e-4, 3e-4},
-          {"pressure_gain_drift", 0.015, 0.015 / kSeconds, 12},
+          {"pressure_gain_drift", 0.015, 0.015 / kShortSeconds, 12},
           {"pressure_offset_temperature", 3e4, 3e4},
           {"pressure_crosstalk", 3e5, 3e5},
           {"pressure_position_crosstalk", 2e6, 2e6},
@@ -53,10 +53,10 @@ std::vector<PlantCase> PlantCases() {
           {"flow_gain_pressure", 0.02, 0.02},
           {"periodic_disturbance", 2e-5, 2e-5},
           {"K_drift", -0.20, RateOfReciprocal(-0.20)},
-          {"V0_drift", 0.30, 0.30 / kSeconds},
-          {"Q_vn_drift", 0.02, 0.02 / kSeconds},
-          {"y_0_drift", 0.004, 0.004 / kSeconds},
-          {"pressure_offset_drift", 8e5, 8e5 / kSeconds},
+          {"V0_drift", 0.30, 0.30 / kShortSeconds},
+          {"Q_vn_drift", 0.02, 0.02 / kShortSeconds},
+          {"y_0_drift", 0.004, 0.004 / kShortSeconds},
+          {"pressure_offset_drift", 8e5, 8e5 / kShortSeconds},
           {"pressure_signal_lag", 0.005, 0.005},
           {"spool_signal_lag", 0.005, 0.005},
           {"position_signal_lag", 0.005, 0.005}};
@@ -64,7 +64,7 @@ std::vector<PlantCase> PlantCases() {
 
 PressOptions OptionsFor(const PlantCase& plant) {
   PressOptions options;
-  options.seconds = kSeconds;
+  options.seconds = kShortSeconds;
   options.seed = plant.seed;
   if (plant.id.ends_with("_temperature")) {
     options.oil_start = 300.15;
