@@ -59,8 +59,8 @@ struct MachineParameter {
   double factor = 1;             ///< ... shown = SI * factor
   bool relative = true;          ///< changes are told in per cent
   OilLaw over_oil = OilLaw::kSmooth;
-  std::string_view stated_as =
-      "";  ///< name of a known value: what its data sheet says of it, where the machine file states that
+  /// Name of a known value: what its data sheet says of it, where the machine file states that.
+  std::string_view stated_as = "";
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.

@@ -14,8 +14,8 @@ struct StandstillRule {
   std::string command = {};  ///< that it follows in time; "": none
   double full_command = 1;   ///< SI of the command
   double at_stop = 0;        ///< SI, magnitude from which it may rest while its command moves; 0 = nowhere
-  double end =
-      0;  ///< SI, magnitude at which what it measures ends, as it does at the full command; 0 = not known
+  /// SI, magnitude at which what it measures ends, as it does at the full command; 0 = not known.
+  double end = 0;
   std::vector<GateBound> movements = {};  ///< levels and rates of other signals
 };
 

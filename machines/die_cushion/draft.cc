@@ -77,8 +77,8 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
   if (!strokes.GoOneWay() || !strokes.OpenOneWay()) {
     draft.open.push_back(Tell(
         "[signals] z, y_v: {} while the pressure is high, so that which way round they count cannot be told, and no drawing stroke "
-        "is seen. Look whether these columns are what their names say; the model's z falls in a stroke, and positive y_v opens "
-        "to tank",
+        "is seen. Look whether these columns are what their names say; the model's z falls in a stroke, and positive "
+        "y_v opens to tank",
         "[signals] z, y_v: {}, während der Druck hoch ist; wie herum sie zählen, ist so nicht zu sehen, auch kein Ziehhub. "
         "Nachsehen, ob diese Spalten sind, was ihr Name sagt; im Modell fällt z in einem Hub, und positives y_v öffnet zum Tank",
         strokes.GoOneWay() ? Told("the spool opens both ways", "der Schieber öffnet nach beiden Seiten")

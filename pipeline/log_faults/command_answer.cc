@@ -103,10 +103,10 @@ std::vector<CommandAnswers::Fault> CommandAnswers::Against(std::optional<double>
       faults.push_back(
           {pair.signal,
            Tell(
-               "{} go against each other: one of the two counts the other way round{}. Set scale = -1 for it in [signals] of the machine "
-               "file",
-               "{} bewegen sich gegeneinander: eines der beiden zählt andersherum{}. Dafür in [signals] der Maschinendatei scale = -1 "
-               "setzen",
+               "{} go against each other: one of the two counts the other way round{}. Set scale = -1 for it in "
+               "[signals] of the machine file",
+               "{} bewegen sich gegeneinander: eines der beiden zählt andersherum{}. Dafür in [signals] der "
+               "Maschinendatei scale = -1 setzen",
                NamesOf(pair), LikelyText(pair, in_gate))});
   return faults;
 }
@@ -131,8 +131,8 @@ Told CommandAnswers::GainText(const Pair& pair) const {
       "{0} move together, but by {1:.2g} times what they should: the signal would reach its end at {2:.3g} {4}, where {3:.3g} {4} are "
       "usual. Look at unit and scale of both in [signals] of the machine file; if {2:.3g} {4} is right, state it as max of {5}",
       "{0} bewegen sich zusammen, aber um das {1:.2g}fache dessen, was sie sollten: das Signal wäre bei {2:.3g} {4} am Ende, üblich sind "
-      "{3:.3g} {4}. Einheit und Skalierung beider in [signals] der Maschinendatei ansehen; wenn {2:.3g} {4} stimmt, es als max von {5} "
-      "angeben",
+      "{3:.3g} {4}. Einheit und Skalierung beider in [signals] der Maschinendatei ansehen; wenn {2:.3g} {4} stimmt, "
+      "es als max von {5} angeben",
       NamesOf(pair), gain, pair.full / gain / unit.scale, pair.full / unit.scale, command.unit, command.name);
 }
 

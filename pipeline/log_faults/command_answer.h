@@ -58,8 +58,8 @@ class CommandAnswers {
     double full = 1;                ///< SI of the command
     double last = 0, largest = 0;   ///< reading of the signal that is no spike, and the largest of these
     std::int64_t read = 0, beyond = 0;
-    double rows = 0, x = 0, y = 0, xx = 0, yy = 0,
-           xy = 0;  ///< sums over rows that both are good in, shares of full range
+    /// Sums over rows that both are good in, shares of full range.
+    double rows = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
     double Correlation() const;
     double Gain() const;
     double Motion() const;  ///< of the one that moves more

@@ -16,8 +16,8 @@ struct HungInputOptions {
   int least_before = 30;  ///< of them, without which nothing is concluded
   /// Correlation of third differences with the next ones, below which they are noise: -3/4 of white noise, 1 of smooth motion.
   double of_noise = -0.4;
-  double repeats =
-      0.1;  ///< share of these rows that repeat a reading: a coarse converter does, and may rest under its noise
+  /// Share of these rows that repeat a reading: a coarse converter does, and may rest under its noise.
+  double repeats = 0.1;
   /// Of an output's range over the log, that it covers in the second half of the rest: where the input is held, a machine settles.
   double moves = 0.3;
   int smooth = 5;  ///< rows of the means that a range is taken of

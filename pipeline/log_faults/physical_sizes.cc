@@ -225,8 +225,8 @@ Status SizeWatch::JudgeTravel(const MachineInput& length) const {
   Unit unit = FindUnit(spec.unit).value_or(Unit{});
   unit.offset = 0;
   return BadInput(Tell(
-      "{0}: signal {1} (column {2}) travels by {3}, farther than {4} = {5} in [geometry] of the machine file: check unit and scale of "
-      "{1}, and {4}",
+      "{0}: signal {1} (column {2}) travels by {3}, farther than {4} = {5} in [geometry] of the machine file: "
+      "check unit and scale of {1}, and {4}",
       "{0}: Signal {1} (Spalte {2}) bewegt sich um {3}, weiter als {4} = {5} in [geometry] der Maschinendatei: Einheit und Skalierung "
       "von {1} prüfen, und {4}",
       machine_.name, spec.name, spec.column, Shown(seen.high - seen.low, unit, spec.unit), length.name,
