@@ -5,21 +5,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "core/told_error.h"
 #include "pipeline/raw_log.h"
+#include "storage/database_file.h"
 
 namespace hydroscope {
 namespace {
 
-/// By its first bytes; of a file that is not there, by its name.
+/// By what is in it; of a file that is not there, by its name.
 bool IsDatabase(const std::string& path) {
-  constexpr std::string_view kMagic = "SQLite format 3";
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return path.ends_with(".db");
-  std::string head(kMagic.size(), '\0');
-  return file.read(head.data(), static_cast<std::streamsize>(head.size())) && head == kMagic;
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) ? IsDatabaseFile(path) : path.ends_with(".db");
 }
 
 /// Names of axes that a log belongs to.

@@ -12,6 +12,7 @@
 #include "core/told_error.h"
 #include "pipeline/axis_log.h"
 #include "replay/resampled_reader.h"
+#include "storage/database_file.h"
 
 namespace hydroscope {
 namespace {
@@ -139,6 +140,16 @@ Result<std::vector<RawExtent>> FindRuns(Database& database, const RawName& name)
   return extents;
 }
 
+/// Before anybody else than SQLite opens the file (storage/database_file.h).
+Status JudgeNoDatabase(const std::string& log) {
+  if (!IsDatabaseFile(log)) return {};
+  return BadInput(Tell(
+      "log '{}' is a trend database; name the machine whose kept rows are meant behind it, as in {}#cushion_1",
+      "Log '{}' ist eine Datenbank des Verlaufs; die Maschine dahinter nennen, deren aufbewahrte Zeilen gemeint sind, wie "
+      "in {}#cushion_1",
+      log, log));
+}
+
 }  // namespace
 
 std::optional<RawName> ParseRawName(const std::string& log) {
@@ -195,6 +206,7 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
     const auto axis = TRY(AxisNamed(machine, named->axis));
     return OpenLog(named->path, MachineOfAxis(machine, axis));
   }
+  TRY(JudgeNoDatabase(log));
   if (HasNamedAxes(machine) && LogHoldsAllAxes(machine))
     return BadInput("{}: this log holds all axes; say which one is meant: {}#{}", log, log,
                     machine.live->axes.front());
@@ -214,7 +226,10 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
 
 Result<LogFingerprint> FingerprintRecording(const std::string& log) {
   const auto name = ParseRawName(log);
-  if (!name) return FingerprintLog(PathOfLog(log));
+  if (!name) {
+    TRY(JudgeNoDatabase(log));
+    return FingerprintLog(PathOfLog(log));
+  }
   auto database = TRY(Database::OpenReadOnly(name->database));
   const auto runs = TRY(FindRuns(database, *name));
   LogFingerprint print;

@@ -42,6 +42,16 @@ TEST(Database, DamageSomewhereInTheFileIsFound) {
   EXPECT_THAT(checked.error().text, HasSubstr("is damaged ("));
 }
 
+TEST(Database, APageThatCannotBeReadIsNoDamage) {
+  const Folder folder;
+  Press press(folder.File());
+  EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 200)));
+  std::filesystem::remove(folder.File() + "-wal");  // pages that stand in it are missing for who comes now
+  const Status checked = Database::Check(folder.File(), {});
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().kind, ErrorKind::kInternal) << checked.error().text;
+}
+
 TEST(Database, GivesBackWhatWasStoredToTheBit) {
   const Folder folder;
   Press press(folder.File());

@@ -77,8 +77,8 @@ std::vector<std::int64_t> MachineIds(Connection& connection) {
   return ids;
 }
 
-/// Whether what quick_check says is that a page could not be read, SQLITE_IOERR and its kinds: beside a writer who closes its
-/// connections that tells nothing of the file, and where the disk fails the next step says so.
+/// Whether what quick_check says is that a page could not be read, SQLITE_IOERR and its kinds. A write-ahead log that was deleted
+/// under us says that of a sound file; and where the disk fails the next step says so.
 bool IsReadError(const std::string& found) {
   constexpr std::string_view kCode = "unable to get the page. error code=";
   constexpr int kKinds = 0xff;  // the rest of a code says which kind of error it is

@@ -1,4 +1,5 @@
 // A machine with states, watched live: a log of it is sent as if it were at work, by processes of their own.
+#include "storage/file_identity.h"
 #include "tests/program_process.h"
 #include "tests/tank_fixture.h"
 
@@ -34,6 +35,11 @@ TEST_F(StatesLive, IsFollowedWhileItWorksAndItsDriftRaised) {
            std::string::npos;
   })) << Run({"alarms", "--db", File("tank.db"), "list"}).out
       << Run({"status", "--db", File("tank.db")}).out;
+  const FileIdentity log = FileIdentity::Of(File("tank.db-wal"));
+  ASSERT_TRUE(log.exists());
+  EXPECT_EQ(Run({"status", "--db", File("tank.db")}).exit_code, 0);
+  // Who closes the database leaves its write-ahead log to the service.
+  EXPECT_TRUE(log == FileIdentity::Of(File("tank.db-wal")));
   EXPECT_EQ(service.Kill(SIGTERM), 0);
   SCOPED_TRACE(ReadText(File("served.err")));
   const std::string alarms = Run({"alarms", "--db", File("tank.db"), "list"}).out;
