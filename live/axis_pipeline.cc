@@ -2,12 +2,16 @@
 
 #include "live/log.h"
 #include "models/machine_kind.h"
+#include "pipeline/doubtful_estimates.h"
 #include "pipeline/episode_pipeline.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/run_summary.h"
 
 namespace hydroscope {
 namespace {
+
+/// s of rows over which signals are held against their commands: what was wrong and is mended is no longer told after twice that.
+constexpr double kAnswersOver = 300;
 
 void Append(const SampleBlock& from, SampleBlock& to) {
   to.time.insert(to.time.end(), from.time.begin(), from.time.end());
@@ -42,6 +46,9 @@ Status AxisPipeline::Build() {
   }));
   pipeline_ = std::move(pipeline);
   monitor_ = std::make_unique<QualityMonitor>(machine, machine.live->grid_period);
+  answers_ = std::make_unique<CommandAnswers>(machine);
+  answered_rows_ = 0;
+  unanswered_.clear();
   rows_taken_ = 0;
   return {};
 }
@@ -51,8 +58,30 @@ bool AxisPipeline::Process(SampleBlock&& block) {
   rows_taken_ += static_cast<std::int64_t>(block.rows());
   Append(block, step_.raw);
   monitor_->Inspect(block);
+  answers_->Observe(block);
+  answered_rows_ += static_cast<std::int64_t>(block.rows());
+  if (static_cast<double>(answered_rows_) * model_->machine.live->grid_period >= kAnswersOver) {
+    unanswered_ = UnansweredIn(*answers_);
+    answers_ = std::make_unique<CommandAnswers>(model_->machine);
+    answered_rows_ = 0;
+  }
   pipeline_->Process(block);
   return step_.strokes.size() > before;
+}
+
+std::vector<Told> AxisPipeline::UnansweredIn(const CommandAnswers& answers) const {
+  std::vector<Told> told;
+  const double gated = static_cast<double>(pipeline_->totals().gated);
+  for (auto&& faults : {answers.Against(gated / static_cast<double>(rows_taken_)), answers.Sizes()})
+    for (const CommandAnswers::Fault& fault : faults) told.push_back(fault.text);
+  return told;
+}
+
+std::vector<Told> AxisPipeline::doubts() const {
+  std::vector<Told> doubts = strokes_ > 0 ? pipeline_->doubts() : std::vector<Told>();
+  const std::vector<Told> now = UnansweredIn(*answers_);
+  AddDoubts(now.empty() ? unanswered_ : now, doubts);
+  return doubts;
 }
 
 bool AxisPipeline::StrokeEndsSoon() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "pipeline/log_faults/command_answer.h"
 #include "pipeline/pipeline.h"
 #include "storage/database.h"
 
@@ -63,12 +64,14 @@ class AxisPipeline {
   std::int64_t strokes() const { return strokes_; }
   const StrokeRecord& last_stroke() const { return last_; }  ///< valid if strokes() > 0
   const std::vector<ChannelQuality>& channels() const { return monitor_->channels(); }
-  const Pipeline& pipeline() const { return *pipeline_; }
+  /// What makes doubtful what the last stroke says (Pipeline::doubts), and signals that do not answer their commands.
+  std::vector<Told> doubts() const;
 
  private:
   AxisPipeline(int axis, std::shared_ptr<const LiveModel> model, ColumnPacker& packer)
       : axis_(axis), model_(std::move(model)), packer_(packer) {}
   Status Build();
+  std::vector<Told> UnansweredIn(const CommandAnswers& answers) const;
   std::string Summary() const;
 
   int axis_;
@@ -76,6 +79,9 @@ class AxisPipeline {
   ColumnPacker& packer_;
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<QualityMonitor> monitor_;
+  std::unique_ptr<CommandAnswers> answers_;  ///< of the last minutes
+  std::int64_t answered_rows_ = 0;           ///< that `answers_` has seen
+  std::vector<Told> unanswered_;             ///< what those of the minutes before said
   LiveBatch step_;
   std::int64_t rows_taken_ = 0;  ///< of the run
   std::int64_t strokes_ = 0;     ///< of the life of the service

@@ -129,6 +129,11 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
   for (const auto& source : sources) check.sources.push_back(source->status());
   for (const auto& source : sources) source->Stop();
   check.streams = aligner.streams();
+  std::vector<std::vector<CommandAnswers::Fault>> faults;  // of each axis
+  for (const CommandAnswers& answer : answers) {
+    faults.push_back(answer.Against());
+    std::ranges::move(answer.Sizes(), std::back_inserter(faults.back()));
+  }
   const std::vector<DoubledSignals> doubled = DoubledSignalsOf(machine);
   for (const LiveChannel& live : LiveChannels(machine)) {
     const auto signal = static_cast<std::size_t>(live.signal);
@@ -151,10 +156,8 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     AddHints(spec, machine, seen.rows, channel);
     for (const DoubledSignals& pair : doubled)
       if (pair.live && pair.second == live.signal) channel.hints.push_back(pair.text.english);
-    const CommandAnswers& answer = answers[static_cast<std::size_t>(live.axis)];
-    for (const auto& faults : {answer.Against(), answer.Sizes()})
-      for (const CommandAnswers::Fault& fault : faults)
-        if (fault.signal == live.signal) channel.hints.push_back(fault.text.english);
+    for (const CommandAnswers::Fault& fault : faults[static_cast<std::size_t>(live.axis)])
+      if (fault.signal == live.signal) channel.hints.push_back(fault.text.english);
     check.channels.push_back(std::move(channel));
   }
   return check;

@@ -422,11 +422,11 @@ void LiveService::UpdateStatus(HostTime now) {
                     .counters = aligner_->counters(static_cast<int>(a)),
                     .strokes = pipeline.strokes(),
                     .last_stroke = kNaN,
-                    .estimates = {}};
+                    .estimates = {},
+                    .warnings = pipeline.doubts()};
     if (pipeline.strokes() > 0) {
       axis.last_stroke = pipeline.last_stroke().summary.end;
       axis.estimates = pipeline.last_stroke().estimates;
-      axis.warnings = pipeline.pipeline().doubts();
     }
     status.axes.push_back(std::move(axis));
   }

@@ -52,7 +52,7 @@ struct AxisStatus {
   std::int64_t strokes = 0;         ///< since the start
   double last_stroke = 0;           ///< s since 1970, its end; NaN: none yet
   std::vector<Estimate> estimates;  ///< of the last stroke, as they are stated (EstimateStatement)
-  std::vector<Told> warnings = {};  ///< Pipeline::doubts of that stroke, DoubtsOf these estimates
+  std::vector<Told> warnings = {};  ///< AxisPipeline::doubts, DoubtsOf these estimates
 };
 
 /// Everything the service tells about itself.

@@ -9,6 +9,7 @@ namespace hydroscope {
 namespace {
 
 using namespace live_service_test;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -45,6 +46,12 @@ TEST_F(SurveillanceTest, StatusTellsWhatMakesTheNewestEstimatesDoubtful) {
   SimulatedLog wrong_scale = Log();
   for (double& pressure : wrong_scale.p_A) pressure *= 0.1;
   EXPECT_THAT(WarningsAfter(wrong_scale), ElementsAre(HasSubstr("K comes out as")));
+}
+
+TEST_F(SurveillanceTest, StatusTellsOfASpoolThatMovesBeyondItsEnds) {
+  SimulatedLog wrong_scale = Log();
+  for (double& spool : wrong_scale.y_v) spool *= 5;
+  EXPECT_THAT(WarningsAfter(wrong_scale), Contains(HasSubstr("% of where it ends")));
 }
 
 const char* const kCylinders = R"toml(
