@@ -131,7 +131,7 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
   return x0;
 }
 
-/// What drives a state beyond its limit is stopped there.
+/// What drives a state beyond its limit is stopped there; where its rate is a state, a force into the stop moves that neither.
 void StateSimulator::HoldAtLimits(const double* x, double* rate) {
   // Through pointers of its own: a byte that is written might be any of the members.
   const int states = states_;
@@ -140,6 +140,16 @@ void StateSimulator::HoldAtLimits(const double* x, double* rate) {
   for (int i = 0; i < states; ++i) {
     held[i] = (x[i] >= high[i] && rate[i] > 0) || (x[i] <= low[i] && rate[i] < 0);
     if (held[i] != 0) rate[i] = 0;
+  }
+  const int* rate_of = model_->rate_of.data();
+  for (int i = 0; i < states; ++i) {
+    const int v = rate_of[i];
+    if (v < 0) continue;
+    const bool pressed =
+        (x[i] >= high[i] && x[v] >= 0 && rate[v] > 0) || (x[i] <= low[i] && x[v] <= 0 && rate[v] < 0);
+    if (!pressed) continue;
+    held[v] = 1;
+    rate[v] = 0;
   }
 }
 
@@ -159,7 +169,10 @@ bool StateSimulator::Clamp() {
   bool clamped = false;
   for (int i = 0; i < states_; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const bool high = x_[at] > limits_[states_ + i], low = x_[at] < limits_[i];
+    const int rate = model_->rate_of[at];
+    const double speed = rate < 0 ? 0.0 : x_[rate];  // into a stop that is just reached
+    const double above = x_[at] - limits_[states_ + i], below = limits_[i] - x_[at];
+    const bool high = above > 0 || (above == 0 && speed > 0), low = below > 0 || (below == 0 && speed < 0);
     if (!high && !low) continue;
     clamped = true;
     const int limit = high ? states_ + i : i;
@@ -169,8 +182,7 @@ bool StateSimulator::Clamp() {
       std::fill_n(row, columns_, 0.0);
       for (int p = 0; p < parameters_; ++p) row[p] = limit_slopes_(limit, p);
     }
-    const int rate = model_->rate_of[at];
-    if (rate < 0 || (high ? x_[rate] <= 0 : x_[rate] >= 0)) continue;
+    if (rate < 0 || (high ? speed <= 0 : speed >= 0)) continue;
     x_[rate] = 0;
     if (with_slopes_) std::fill_n(s_.data() + rate * columns_, columns_, 0.0);
   }
