@@ -132,7 +132,7 @@ std::vector<double> BeginningOf(const Task& of_all, const Episode& episode, cons
   const Segment whole = WholeEpisodes(task.episodes).front();
   const auto followed = [&](Point point) {
     point.valid = false;
-    for (const int rows : {options.segment_rows, options.first_horizon}) {
+    for (const int rows : {options.segment_rows, options.growth.first_rows}) {
       Segment begin = whole;
       begin.last = std::min(whole.last, rows - 1);
       Point from = point;
@@ -146,7 +146,7 @@ std::vector<double> BeginningOf(const Task& of_all, const Episode& episode, cons
   Point guess = PointAt(task, parameters);
   GuessSegments(task, {whole}, guess);
   Point best = followed(guess);
-  const int readings = std::min(episode.rows(), options.first_horizon) * task.model->output.rows;
+  const int readings = std::min(episode.rows(), options.growth.first_rows) * task.model->output.rows;
   if (best.valid && 2 * best.cost <= kMoreThanNoise * readings) return best.z.front();
   StateRun run;
   Trial(task, parameters, episode, run);

@@ -11,13 +11,41 @@
 
 namespace hydroscope {
 
+/// How the rows grow that runs of a whole episode are fitted to. These and those of StepDamping were chosen on simulated machines;
+/// `hydroscope benchmark flexible-axis` and `manipulator` print what fits come to with them.
+struct HorizonGrowth {
+  int first_rows = 200;     ///< that a start is first fitted to
+  double tolerance = 3e-3;  ///< relative change of the cost at which the horizon grows
+  double most = 2;          ///< times as many rows
+  /// Times as many, from which on down it is the model's fault that the longer run loses its way, and no shorter one is tried.
+  double least = 1.02;
+  int rest = 10;          ///< of the rows reached: when fewer than that are left they are taken along at once
+  double astray = 3;      ///< cost of a reading over that of the shorter run: the longer one lost its way
+  double hopeless = 50;   ///< ... before it is fitted: none leads back from there, as a rule
+  double on_its_way = 2;  ///< ... up to which a run over all rows needs no growth
+};
+
+/// Levenberg and Marquardt's damping, as a share of the largest curvature, where the horizon grows.
+struct StepDamping {
+  double first = 1e-10;        ///< Gauss and Newton's step, where many outputs are measured
+  double first_of_few = 1e-3;  ///< few lead astray from far off
+  double less = 0.1;           ///< factor after a step that helps
+  double more = 4;             ///< ... and after one that is too long; squared after one that does not help
+  double least = 1e-15, most = 1e12;
+  double longest = 1;  ///< step of a parameter on its scale that is trusted
+  /// Share of their own curvature that initial states are damped by at least, and curvature of a state that nothing tells.
+  double least_of_states = 1e-9, of_none = 1e-300;
+  /// Change of half a chi square that moves nothing by more than a tenth of its deviation.
+  double no_matter = 5e-3;
+};
+
 struct StateFitOptions {
-  int starts = 8;           ///< drawn from the ranges of the parameters, beside that of the machine file
-  std::uint32_t seed = 1;   ///< of the draws
-  int start_rows = 1000;    ///< starts are tried on so many rows, the best minima are then fitted to all
-  int segment_rows = 50;    ///< of the shooting segments that a start is first fitted with
-  int first_horizon = 200;  ///< rows that a start is first fitted to where the horizon grows (growing.h)
-  double horizon_tolerance = 3e-3;  ///< relative change of the cost at which it grows
+  int starts = 8;             ///< drawn from the ranges of the parameters, beside that of the machine file
+  std::uint32_t seed = 1;     ///< of the draws
+  int start_rows = 1000;      ///< starts are tried on so many rows, the best minima are then fitted to all
+  int segment_rows = 50;      ///< of the shooting segments that a start is first fitted with
+  HorizonGrowth growth = {};  ///< where the horizon grows (growing.h)
+  StepDamping damping = {};   ///< ... of its steps
   /// Energy of the error over that of white noise at which no further start is tried there.
   double at_noise = 1.1;
   /// What the runs of a start may cost, of those that ended so far on the mean: what needs far more ends nowhere, as a rule.

@@ -45,9 +45,9 @@ class GrowingFit {
 
   /// Whether runs over all rows err hardly more, by the reading, than over the first `rows`.
   bool StaysOnItsWay(int rows) {
-    constexpr double kOnItsWay = 2;
     const Eigen::VectorXd cost = Foreseen(Longest());
-    return cost[cost.size() - 1] * rows <= kOnItsWay * cost[rows - 1] * static_cast<double>(cost.size());
+    return cost[cost.size() - 1] * rows <=
+           growth_.on_its_way * cost[rows - 1] * static_cast<double>(cost.size());
   }
 
   bool Polish(shooting::Point& point) {
@@ -58,25 +58,20 @@ class GrowingFit {
 
   /// Over the first `rows` rows, then more and more of them. Not valid where the model diverges.
   shooting::Point Run(int rows) {
-    constexpr double kAstray = 3;     // the cost of a reading grew by so much: the longer run lost its way
-    constexpr double kHopeless = 50;  // ... before any fit: none leads back from there, as a rule
-    constexpr double kLeast = 1.02;   // growth from which on that is the model's fault
-    constexpr double kGrowth = 2;
-    constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
     const int longest = Longest();
     shooting::Point before = point_;
     rows = std::min(rows, longest);
     int reached = rows;
-    double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
+    double least = std::numeric_limits<double>::infinity(), growth = growth_.most;
     while (true) {
       const bool last = rows >= longest;
       const int iterations = last ? options_.iterations : options_.start_iterations;
-      const double tolerance = last ? options_.start_tolerance : options_.horizon_tolerance;
+      const double tolerance = last ? options_.start_tolerance : growth_.tolerance;
       bool fine = Minimise(rows, iterations, tolerance);
       if (fine && BeginsBetterAsGuessed(rows)) fine = Minimise(rows, iterations, tolerance);
       if (!fine) point_.cost = std::numeric_limits<double>::infinity();
       const double cost = point_.cost / rows;
-      if (!(cost < kAstray * least) && growth > kLeast && rows > reached) {
+      if (!(cost < growth_.astray * least) && growth > growth_.least && rows > reached) {
         growth = std::sqrt(growth);
         point_ = before;
       } else {
@@ -85,15 +80,16 @@ class GrowingFit {
         before = point_;
         least = cost;
         reached = rows;
-        growth = std::min(growth * growth, kGrowth);
+        growth = std::min(growth * growth, growth_.most);
       }
       const auto grown = [&] {
         const int longer = std::max(reached + 1, static_cast<int>(growth * reached));
-        return longer > longest - reached / kRest ? longest : longer;
+        return longer > longest - reached / growth_.rest ? longest : longer;
       };
       rows = grown();
       const Eigen::VectorXd foreseen = Foreseen(rows);
-      while (!(foreseen[rows - 1] < kHopeless * least * rows) && growth > kLeast && rows > reached + 1) {
+      while (!(foreseen[rows - 1] < growth_.hopeless * least * rows) && growth > growth_.least &&
+             rows > reached + 1) {
         growth = std::sqrt(growth);
         rows = grown();
       }
@@ -151,22 +147,17 @@ class GrowingFit {
 
   /// False if the model diverges at the point it begins at.
   bool Minimise(int rows, int iterations, double tolerance) {
-    // Of the largest curvature: Gauss and Newton's step is tried first, and damped until none is too long to be trusted.
-    constexpr double kLeast = 1e-15;
     const bool sees_much = SeesMuch(*task_.model);
-    const double first = sees_much ? 1e-10 : 1e-3;  // one output alone leads astray from far off
-    // Of half a chi square: moves nothing by more than a tenth of its deviation.
-    const double no_matter = sees_much ? 5e-3 : 0;
-    constexpr double kLess = 0.1, kMore = 4, kLargest = 1e12;
+    const double no_matter = sees_much ? damping_.no_matter : 0;
     HorizonSums here = Evaluate(point_, rows);
     if (!std::isfinite(here.cost)) return false;
     const double largest = here.hessian.diagonal().head(parameters()).maxCoeff();
-    double damping = first * largest;
+    double damping = (sees_much ? damping_.first : damping_.first_of_few) * largest;
     bool refused = false;  // the last step: one as little damped as before would be refused again
-    for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
+    for (int k = 0; k < iterations && damping < damping_.most * here.hessian.diagonal().maxCoeff();) {
       const auto next = Stepped(here, damping, damping / largest);
       if (!next) {
-        damping *= kMore;
+        damping *= damping_.more;
         continue;
       }
       ++k;
@@ -174,14 +165,14 @@ class GrowingFit {
       const double small = std::max(no_matter, tolerance * here.cost);
       if (!(there.cost < here.cost)) {
         if (std::isfinite(there.cost) && there.cost - here.cost < small) break;
-        damping *= kMore * kMore;
+        damping *= damping_.more * damping_.more;
         refused = true;
         continue;
       }
       const double gain = here.cost - there.cost;
       point_ = *next;
       here = std::move(there);
-      if (!refused) damping = std::max(damping * kLess, kLeast * largest);
+      if (!refused) damping = std::max(damping * damping_.less, damping_.least * largest);
       refused = false;
       if (gain < small) break;
     }
@@ -192,13 +183,12 @@ class GrowingFit {
   /// The damped step, within the ranges; nothing if it is too long to be trusted. Initial states are damped by `share` of their own
   /// curvature: where their step alone is too long, no damping of the parameters would make it one that helps.
   std::optional<shooting::Point> Stepped(const HorizonSums& at, double damping, double share) const {
-    constexpr double kLongest = 1;        // of a parameter on its scale
-    constexpr double kStateShare = 1e-9;  // at least
     const int n = parameters();
     Eigen::MatrixXd matrix = at.hessian;
     Eigen::VectorXd gradient = at.gradient;
     for (int i = 0; i < unknowns(); ++i)
-      matrix(i, i) += i < n ? damping : std::max(kStateShare, share) * matrix(i, i) + 1e-300;
+      matrix(i, i) +=
+          i < n ? damping : std::max(damping_.least_of_states, share) * matrix(i, i) + damping_.of_none;
     for (int p = 0; p < n; ++p) {  // what would leave its range stays
       const auto i = static_cast<std::size_t>(p);
       if (!((point_.q[i] <= task_.scale.low(i) && gradient[p] > 0) ||
@@ -210,7 +200,8 @@ class GrowingFit {
       gradient[p] = 0;
     }
     const Eigen::VectorXd step = -SymmetricFactor(matrix).Solve(gradient);
-    if (!step.allFinite() || (n > 0 && step.head(n).cwiseAbs().maxCoeff() > kLongest)) return std::nullopt;
+    if (!step.allFinite() || (n > 0 && step.head(n).cwiseAbs().maxCoeff() > damping_.longest))
+      return std::nullopt;
     shooting::Point next = point_;
     for (int p = 0; p < n; ++p) {
       const auto i = static_cast<std::size_t>(p);
@@ -267,6 +258,8 @@ class GrowingFit {
 
   const shooting::Task& task_;
   const StateFitOptions& options_;
+  const HorizonGrowth& growth_ = options_.growth;
+  const StepDamping& damping_ = options_.damping;
   StateSimulator simulator_;
   std::vector<shooting::Segment> segments_;
   std::vector<int> free_;
@@ -298,7 +291,7 @@ shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& st
                            const StateFitOptions& options) {
   int mean_rows = 1;
   for (const Episode& e : task.episodes) mean_rows = std::max(mean_rows, e.mean_rows);
-  return GrowingFit(task, start, options).Run(options.first_horizon * mean_rows);
+  return GrowingFit(task, start, options).Run(options.growth.first_rows * mean_rows);
 }
 
 shooting::Point GrowFrom(const shooting::Task& task, const shooting::Point& few, int rows,
