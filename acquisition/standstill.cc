@@ -22,9 +22,8 @@ constexpr int kPiecesToProve = 4;                        // of each kind of move
 // Of full command: data sheets of valves state hysteresis and threshold of some tenths of a per cent.
 constexpr double kHysteresis = 0.01;
 constexpr double kResolutions = 2.0;  // that the command moves by, at least
-constexpr double kRunsToBeStuck =
-    25.0;  // as long as equal readings follow one another while the command moves
-constexpr double kChangesToJudge = 100.0;
+// A run of equal readings that is so many times as long as they are while the command moves, of so many changes at least.
+constexpr double kRunsOfEquals = 25.0, kMovingChanges = 100.0;
 
 }  // namespace
 
@@ -204,8 +203,8 @@ void Standstill::JudgeSame(std::size_t rows, Watch& watch, SampleBlock& block) {
     same.command_high = std::fmax(same.command_high, followed);
   }
   const bool at_stop = watch.at_stop > 0 && std::abs(pieces_[watch.piece].last) >= watch.at_stop;
-  if (same.proven || at_stop || same.moving_changes < kChangesToJudge) return;
-  const double longest = kRunsToBeStuck * same.moving_rows / same.moving_changes;
+  if (same.proven || at_stop || same.moving_changes < kMovingChanges) return;
+  const double longest = kRunsOfEquals * same.moving_rows / same.moving_changes;
   const double noise = kRangeOfNoise * std::sqrt(std::max(0.0, command.noise) / rows_);
   const double told = (same.command_high - same.command_low - noise) / watch.full_command;
   if (static_cast<double>(same.rows) <= longest ||

@@ -16,7 +16,7 @@ constexpr double kLeastBent = 0.1, kLeastOfNormal = 0.1257, kDensityAtZero = 0.3
 /// corners between straight lines seldom.
 constexpr std::int64_t kBentToTell = 100;
 constexpr double kOpposedBends = 0.3;
-constexpr double kRareRun = 1e-8;
+constexpr double kRareStraightRun = 1e-8;
 constexpr std::size_t kShortestRun = 2, kLongestRunNeeded = 6;
 
 }  // namespace
@@ -83,7 +83,7 @@ void StraightRuns::Judge(Channel& channel) {
   const double seen = static_cast<double>(channel.alone) / static_cast<double>(channel.readings);
   const double chance = std::max(seen, 2 * channel.straight * kDensityAtZero / std);
   if (!(chance < 1)) return;
-  const auto needed = static_cast<std::size_t>(std::ceil(std::log(kRareRun) / std::log(chance)));
+  const auto needed = static_cast<std::size_t>(std::ceil(std::log(kRareStraightRun) / std::log(chance)));
   if (needed <= kLongestRunNeeded) channel.fewest = std::max(kShortestRun, needed);
 }
 

@@ -71,8 +71,9 @@ bool AxisPipeline::Process(SampleBlock&& block) {
 
 std::vector<Told> AxisPipeline::UnansweredIn(const CommandAnswers& answers) const {
   std::vector<Told> told;
+  if (rows_taken_ == 0) return told;
   const double gated = static_cast<double>(pipeline_->totals().gated);
-  for (auto&& faults : {answers.Against(gated / static_cast<double>(rows_taken_)), answers.Sizes()})
+  for (const auto& faults : {answers.Against(gated / static_cast<double>(rows_taken_)), answers.Sizes()})
     for (const CommandAnswers::Fault& fault : faults) told.push_back(fault.text);
   return told;
 }

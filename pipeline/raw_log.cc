@@ -144,10 +144,10 @@ Result<std::vector<RawExtent>> FindRuns(Database& database, const RawName& name)
 Status JudgeNoDatabase(const std::string& log) {
   if (!IsDatabaseFile(log)) return {};
   return BadInput(Tell(
-      "log '{}' is a trend database; name the machine whose kept rows are meant behind it, as in {}#cushion_1",
-      "Log '{}' ist eine Datenbank des Verlaufs; die Maschine dahinter nennen, deren aufbewahrte Zeilen gemeint sind, wie "
-      "in {}#cushion_1",
-      log, log));
+      "log '{0}' is a trend database; write {0}#NAME for the rows kept of a machine in it, {0}# if it holds one alone",
+      "Log '{0}' ist eine Datenbank des Verlaufs; {0}#NAME für die aufbewahrten Zeilen einer Maschine darin schreiben, {0}#, "
+      "wenn sie nur eine enthält",
+      log));
 }
 
 }  // namespace

@@ -50,6 +50,16 @@ TEST_F(RawLog, IsReadAcrossYearsOfWhichNothingIsKept) {
   EXPECT_EQ(reader->counters().rows, 2 * rows_);
 }
 
+TEST_F(RawLog, IsNamedByItsMachineAndNotByTheDatabaseAlone) {
+  const std::string how = folder_.File() + "#NAME";
+  const auto opened = OpenRecording(folder_.File(), machine_);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().text.find(how), std::string::npos) << opened.error().text;
+  const auto print = FingerprintRecording(folder_.File());
+  ASSERT_FALSE(print);
+  EXPECT_NE(print.error().text.find(how), std::string::npos) << print.error().text;
+}
+
 TEST_F(RawLog, IsReadNoFurtherThanItsFirstStrokes) {
   const auto reader = Open();
   const LogStrokes first = storage_test::Value(FirstStrokesOf(*reader, machine_));

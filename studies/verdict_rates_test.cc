@@ -44,8 +44,7 @@ std::vector<Log> LogsWithEffects(double share, std::uint64_t seed) {
   return logs;
 }
 
-/// Effects that little else imitates, of a size for which the evidence is 1.7 times what a verdict asks: it grows with the square of
-/// the size.
+/// Effects that little else imitates, of a size for which the evidence, which grows with its square, is 1.7 times what a verdict asks.
 std::vector<Log> LogsJustSeen(std::uint64_t seed) {
   constexpr double kShare = 0.3;
   const double wanted = 1.7 * ExplainOptions().min_gain;

@@ -11,7 +11,7 @@
 
 namespace hydroscope {
 
-/// How the rows grow that runs of a whole episode are fitted to. These and those of StepDamping were chosen on simulated machines;
+/// How the rows grow that runs of a whole episode are fitted to. No calibration of these and those of StepDamping is on record;
 /// `hydroscope benchmark flexible-axis` and `manipulator` print what fits come to with them.
 struct HorizonGrowth {
   int first_rows = 200;     ///< that a start is first fitted to

@@ -1,5 +1,6 @@
 #include "machines/die_cushion/balance.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
