@@ -23,6 +23,8 @@ struct HorizonGrowth {
   double astray = 3;      ///< cost of a reading over that of the shorter run: the longer one lost its way
   double hopeless = 50;   ///< ... before it is fitted: none leads back from there, as a rule
   double on_its_way = 2;  ///< ... up to which a run over all rows needs no growth
+  double flat = 1e-3;  ///< share of the cost that a parameter's whole range changes where it does not matter
+  int parts_of_flat = 8;  ///< that its range is tried in
 };
 
 /// Levenberg and Marquardt's damping, as a share of the largest curvature, where the horizon grows.

@@ -132,6 +132,50 @@ TEST_P(FitOfALongRecord, KnowsStartsThatLeadWhereAFitEnded) {
   EXPECT_FALSE(IsWhereItEnded(fit, episodes, afar, 1e9));
 }
 
+/// A rounded edge that the input never comes near: its radius changes nothing where it is small.
+TEST(Fit, FindsAParameterThatChangesNothingWhereItBegins) {
+  constexpr double kRadius = 0.3;
+  const auto machine = ParseMachine(R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+a = { column = "a", unit = "V" }
+b = { column = "b", unit = "V" }
+c = { column = "c", unit = "V" }
+[states]
+x = { ddt = "k*(u - x)", initial = "estimate" }
+[outputs]
+a = "x"
+b = "2*x"
+c = "x + r*ln(1 + exp(-abs(u)/r))"
+[parameters]
+k = { start = 2, min = 0.1, max = 100, unit = "1/s" }
+r = { start = 1e-3, min = 1e-4, max = 1, unit = "V" }
+)toml",
+                                    "edge");
+  ASSERT_TRUE(machine) << machine.error().text;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  constexpr int kRows = 600;
+  constexpr double kPeriod = 0.01, kRate = 5, kNoise = 1e-3;
+  Episode episode;
+  episode.signal = RowMatrix::Zero(kRows, 4);
+  double x = 0, u = 0;
+  for (int row = 0; row < kRows; ++row) {
+    x = u + (x - u) * std::exp(-kRate * kPeriod);  // held since the last row
+    u = (row / 50 % 2 == 0 ? 1 : -1) * (0.2 + 0.1 * (row / 100));
+    episode.time.push_back(kPeriod * row);
+    episode.signal.row(row) << u, x, 2 * x, x + kRadius * std::log(1 + std::exp(-std::abs(u) / kRadius));
+    for (int j = 1; j < 4; ++j) episode.signal(row, j) += kNoise * normal(random);
+  }
+  StateFitOptions options;
+  options.starts = 0;
+  const StateFit fit = FitStates(BuildStateModel(*machine, {}).value(), std::span(&episode, 1), options);
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
+  EXPECT_NEAR(fit.parameters[0], kRate, 0.01);
+  EXPECT_NEAR(fit.parameters[1], kRadius, 0.001);
+}
+
 /// The sign of a is not seen: starts of either sign end at the same cost, at different a.
 TEST(Fit, StartsOfOneCostAgreeOnlyWhereTheyEndAtTheSameParameters) {
   const auto machine = ParseMachine(R"toml([signals]

@@ -52,6 +52,7 @@ class GrowingFit {
 
   bool Polish(shooting::Point& point) {
     point_.valid = Minimise(Longest(), options_.iterations, options_.tolerance);
+    if (point_.valid && SeekFlatParameters()) Minimise(Longest(), options_.iterations, options_.tolerance);
     point = point_;
     return point.valid;
   }
@@ -143,6 +144,29 @@ class GrowingFit {
     if (!(guessed.cost < point_.cost)) return false;
     point_ = std::move(guessed);
     return true;
+  }
+
+  /// A parameter that hardly matters where it stands stays there in a fit, though elsewhere it may matter: each of them is put where
+  /// in its range runs cost least. False: nowhere less.
+  bool SeekFlatParameters() {
+    const HorizonSums here = Evaluate(point_, Longest());
+    double least = here.cost;
+    for (int p = 0; p < parameters(); ++p) {
+      const auto i = static_cast<std::size_t>(p);
+      const double low = task_.scale.low(i), span = task_.scale.high(i) - low;
+      if (!task_.scale.ranged(i) || !(0.5 * here.hessian(p, p) * span * span < growth_.flat * here.cost))
+        continue;
+      double best = point_.q[i];
+      for (int k = 0; k <= growth_.parts_of_flat; ++k) {
+        point_.q[i] = low + span * k / growth_.parts_of_flat;
+        const double cost = Foreseen(Longest())[Longest() - 1];
+        if (!(cost < least)) continue;
+        least = cost;
+        best = point_.q[i];
+      }
+      point_.q[i] = best;
+    }
+    return least < here.cost;
   }
 
   /// False if the model diverges at the point it begins at.
