@@ -11,8 +11,10 @@
 #include "estimation/stroke_segmenter.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/state_model.h"
 #include "page/first_run/gate_course.h"
 #include "page/http/json_reply.h"
+#include "pipeline/episode_cutter.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -65,18 +67,67 @@ std::vector<GateCourse> GateCoursesOf(const Machine& machine, double period) {
   return courses;
 }
 
+/// Notes where strokes lie in what passes through it. Of a machine with states it cuts episodes and fits none of them.
+class StrokeFinder {
+ public:
+  StrokeFinder(const Machine& machine, double period) {
+    if (!KindOf(machine).has_states) {
+      auto made = Pipeline::Create(
+          machine, period, [this](StrokeRecord&& stroke) { Note(stroke.summary.begin, stroke.summary.end); });
+      Take(made, pipeline_);
+      return;
+    }
+    auto model = BuildStateModel(machine, machine.added_effects);
+    Take(model, model_);
+    if (!model_) return;
+    if (const Status cuts = EpisodeCutter::Check(model_->machine); !cuts) {
+      none_ = ErrorJson(ToldOf(cuts.error()));
+      return;
+    }
+    cutter_ = std::make_unique<EpisodeCutter>(
+        model_->machine, EpisodeSignals{model_->inputs, model_->outputs},
+        EpisodeCutter::Options{.period = period}, [this](const Episode& episode, const StrokeCounters&) {
+          Note(episode.time.front(), episode.time.back());
+        });
+  }
+
+  /// For PassLog; null: rows go to Process.
+  Pipeline* pipeline() const { return pipeline_.get(); }
+  void Process(const SampleBlock& block) {
+    if (cutter_) cutter_->Process(block);
+  }
+  void Finish() {
+    if (cutter_) cutter_->Finish();
+  }
+  const nlohmann::json& strokes() const { return strokes_; }
+  std::int64_t discarded() const {
+    return cutter_ ? cutter_->discarded() : pipeline_ ? pipeline_->discarded_strokes() : 0;
+  }
+  /// Why no stroke can be found; null: they can.
+  const nlohmann::json& none() const { return none_; }
+
+ private:
+  template <class T, class To>
+  void Take(Result<T>& made, To& to) {
+    if (made)
+      to = std::move(*made);
+    else
+      none_ = ErrorJson(ToldOf(made.error()));
+  }
+  void Note(double begin, double end) { strokes_.push_back({{"begin", begin}, {"end", end}}); }
+
+  std::unique_ptr<Pipeline> pipeline_;
+  std::shared_ptr<const StateModel> model_;
+  std::unique_ptr<EpisodeCutter> cutter_;
+  nlohmann::json strokes_ = nlohmann::json::array(), none_;
+};
+
 }  // namespace
 
 Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& machine) {
   auto reader = TRY(OpenRecording(log, machine));
-  nlohmann::json strokes = nlohmann::json::array(), no_strokes;
-  auto pipeline = Pipeline::Create(machine, reader->SamplePeriod(), [&](StrokeRecord&& stroke) {
-    strokes.push_back({{"begin", stroke.summary.begin}, {"end", stroke.summary.end}});
-  });
-  if (MeasuredByResponse(KindOf(machine)))
-    strokes = nullptr;
-  else if (!pipeline)
-    no_strokes = ErrorJson(ToldOf(pipeline.error()));
+  StrokeFinder finder(machine, reader->SamplePeriod());
+  const bool without = MeasuredByResponse(KindOf(machine));
   std::vector<Envelope> signals(machine.signals.size(), Envelope(kPicturePoints));
   std::vector<GateCourse> gate = GateCoursesOf(machine, reader->SamplePeriod());
   double first = kNaN, last = kNaN;
@@ -87,12 +138,14 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
       for (const double value : block.signal[s]) signals[s].Add(value);
     for (GateCourse& course : gate)
       for (const double value : block.signal[static_cast<std::size_t>(course.signal())]) course.Add(value);
+    finder.Process(block);
     if (block.rows() == 0) return;
     if (rows == 0) first = block.time.front();
     last = block.time.back();
     rows += static_cast<std::int64_t>(block.rows());
   };
-  const auto pass = TRY(PassLog(*reader, machine, pipeline ? pipeline->get() : nullptr, "picture", hooks));
+  TRY(PassLog(*reader, machine, finder.pipeline(), "picture", hooks));
+  finder.Finish();
   nlohmann::json shown = nlohmann::json::array();
   for (std::size_t s = 0; s < signals.size(); ++s) {
     const DisplayUnit unit = ShownUnit(machine, machine.signals[s].name);
@@ -111,10 +164,10 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
                         {"duration_s", last - first},
                         {"rows", rows},
                         {"signals", shown},
-                        {"strokes", strokes},
+                        {"strokes", without ? nlohmann::json() : finder.strokes()},
                         {"gate", std::move(courses)},
-                        {"discarded", pass.summary.discarded_strokes},
-                        {"no_strokes", no_strokes}};
+                        {"discarded", finder.discarded()},
+                        {"no_strokes", without ? nlohmann::json() : finder.none()}};
 }
 
 nlohmann::json ThumbnailJson(const std::vector<double>& values, std::size_t points) {
