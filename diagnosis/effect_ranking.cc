@@ -450,4 +450,16 @@ std::vector<std::string> EffectRanking::Rivals(const CandidateModel& on,
   return set;
 }
 
+std::vector<std::string> EffectRanking::RivalsInDoubt(const std::vector<RankedEffect>& ranking,
+                                                      const std::vector<std::string>& set) const {
+  const RankedEffect& best = ranking.front();
+  if (set.front() != best.id || IsConfirmed(best.effect)) return set;
+  std::vector<std::string> all;
+  for (const RankedEffect& other : ranking) {
+    const bool close = other.gain > best.gain - options_.MayRemain(best.gain);
+    if (Contains(set, other.id) || (other.stands_out && other.lawful && close)) all.push_back(other.id);
+  }
+  return all;
+}
+
 }  // namespace hydroscope

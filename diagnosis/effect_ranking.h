@@ -78,6 +78,10 @@ class EffectRanking {
   /// `complete`: the first leaves nothing to a further law, which would tell that its own is not quite right.
   std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
                                   bool complete) const;
+  /// Where another law would explain as much, the first of the ranking is not quite the law, and what decides between it and others
+  /// must be more than a further law may gain: the effects of `set` and those that it does not leave behind by so much, best first.
+  std::vector<std::string> RivalsInDoubt(const std::vector<RankedEffect>& ranking,
+                                         const std::vector<std::string>& set) const;
   /// Of a law that grows with the oil's temperature, effect `at` of `model`: the same law without that (a leak, of one that does), if
   /// with another law of the temperature beside it explains about as well: that it grows is not proven.
   std::vector<std::string> SteadyBesideAnother(const CandidateModel& model, std::size_t at) const;

@@ -356,6 +356,8 @@ void Explainer::Judge(Explanation& out) const {
   out.doubt = doubts.Of(out, AtFloor(out.final));
   if (out.doubt.empty()) out.doubt = PairThatLeavesLess(out);
   out.partial = !out.doubt.empty();
+  if (out.partial && out.groups.size() == 1)
+    out.groups = {ranking_.RivalsInDoubt(out.ranking, out.groups.front())};
   for (const auto& group : out.groups) out.set.push_back(group.front());
   for (const auto& group : out.groups)
     for (const std::string& id : group)

@@ -298,6 +298,19 @@ void ExpectNoOtherNameForSure(const Explanation& x, std::uint64_t seed) {
       << seed << ": " << testing::PrintToString(x.set);
 }
 
+/// At one ram speed a leak looks like a null that follows the pressure, which explained it a little better, but for what another
+/// law would still explain.
+TEST(NothingFalse, WhatIsNotQuiteTheLawKeepsItsRivals) {
+  PressOptions options = RandomMachine(239617693);
+  options.seconds = 162;
+  options.oil_start = 304.8;
+  options.oil_end = 313.6;
+  options.motion.speed_min = options.motion.speed_max = 0.073;
+  options.effects = {{"external_leakage", 7.76e-12, {}}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, Contains("external_leakage"));
+}
+
 /// Less flow at large openings is what a choked return line does, too.
 TEST(NothingFalse, ASpoolSensorThatIsNotLinearIsNoOtherCauseForSure) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
