@@ -347,6 +347,21 @@ bool AxisReplay::AddChange(const ReplayOutcome& outcome, ReportInput& input) con
   return false;
 }
 
+void AxisReplay::LookForChange(ReplayOutcome& outcome) const {
+  if (outcome.runs.size() < 2) return;
+  const HistoryPart part = OfNewestVersion({machine_.name, machine_id_, 0, outcome.strokes}, outcome.runs);
+  const auto change = FindStoredChange(database_, part, machine_, outcome.watch.alarms);
+  if (!change) return;
+  const auto log = LogThatBegins(database_, part, *change);
+  const bool new_now = log && std::ranges::any_of(outcome.logs, [&](const LogReplay& replay) {
+                         return replay.run.id == log->id && replay.status != ReplayStatus::kAlready;
+                       });
+  if (!new_now) return;
+  const CountedWords counted = CountedWordsOf(machine_);
+  outcome.change = fmt::format("The {} of this database hold a change {}. {}", counted.many,
+                               change->text.english, AnotherMachineText(*log, counted));
+}
+
 Status AxisReplay::Report(ReplayOutcome& outcome) {
   if (report_.empty() || outcome.runs.empty()) return {};
   TRY(CollectOverlays(outcome));

@@ -113,7 +113,10 @@ Result<PressReplay> RunReplay(const ReplayOptions& options) {
     TRY(axes.back()->Store(replay.machines.emplace_back()));
   }
   TRY(WatchForDrift(options, machine, replay));
-  for (std::size_t a = 0; a < axes.size(); ++a) TRY(axes[a]->Report(replay.machines[a]));
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    axes[a]->LookForChange(replay.machines[a]);
+    TRY(axes[a]->Report(replay.machines[a]));
+  }
   return replay;
 }
 

@@ -46,22 +46,6 @@ void CompareEnds(const Database& database, const std::string& path, const Histor
   whole.warnings.push_back(WarningOfBothSides(*ends.change, CountedWordsOf(machine)));
 }
 
-/// Strokes of another machine differ from those before, too, and the log that brings them begins where they change.
-std::string LogThatBegins(const Database& database, const HistoryPart& part, const StoredChange& change,
-                          const CountedWords& counted) {
-  const auto runs = database.Runs(part.id);
-  if (!runs) return {};
-  for (const RunInfo& run : *runs) {
-    const bool there = run.strokes > 0 && run.first_sequence > part.first &&
-                       run.first_sequence >= change.before_end && run.first_sequence <= change.since;
-    if (there && run.source != kLiveSource)
-      return fmt::format(
-          " The log {} begins there, with {} {}: if it is of another machine, replay it into a database of its own.",
-          run.source, counted.one, run.first_sequence);
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<StoredExplanation> ExplainStored(const Database& database, const std::string& path,
@@ -70,7 +54,8 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
   StoredExplanation out;
   out.change = FindStoredChange(database, part, machine, alarms);
   if (out.change) {
-    out.begins = LogThatBegins(database, part, *out.change, CountedWordsOf(machine));
+    if (const auto log = LogThatBegins(database, part, *out.change))
+      out.begins = AnotherMachineText(*log, CountedWordsOf(machine));
     const Status compared = Compare(database, path, part, machine, out);
     if (compared) return out;
     out.not_compared = compared.error().text;
@@ -86,8 +71,9 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
 
 std::string ChangeSentence(const StoredExplanation& explanation, const CountedWords& counted) {
   if (!explanation.change) return "";
-  const std::string sentence = fmt::format("These {} hold a change {}.{}", counted.many,
-                                           explanation.change->text.english, explanation.begins);
+  std::string sentence =
+      fmt::format("These {} hold a change {}.", counted.many, explanation.change->text.english);
+  if (!explanation.begins.empty()) sentence += " " + explanation.begins;
   if (explanation.sides) return sentence;
   return sentence +
          fmt::format(" They could not be compared ({}); explained as one, so before and after are mixed.",

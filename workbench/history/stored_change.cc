@@ -413,6 +413,23 @@ std::vector<StoredChange> FindStoredChanges(const Database& database, const Hist
   return changes;
 }
 
+std::optional<RunInfo> LogThatBegins(const Database& database, const HistoryPart& part,
+                                     const StoredChange& change) {
+  const auto runs = database.Runs(part.id);
+  if (!runs) return std::nullopt;
+  const auto begins = std::ranges::find_if(*runs, [&](const RunInfo& run) {
+    return run.strokes > 0 && run.first_sequence > part.first && run.first_sequence >= change.before_end &&
+           run.first_sequence <= change.since && run.source != kLiveSource;
+  });
+  return begins == runs->end() ? std::nullopt : std::optional(*begins);
+}
+
+std::string AnotherMachineText(const RunInfo& log, const CountedWords& counted) {
+  return fmt::format(
+      "The log {} begins there, with {} {}: if it is of another machine, replay it into a database of its own.",
+      log.source, counted.one, log.first_sequence);
+}
+
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {
   if (change.passes)
     return Tell(

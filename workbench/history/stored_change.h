@@ -46,6 +46,13 @@ inline constexpr std::size_t kMostChanges = 6;
 std::vector<StoredChange> FindStoredChanges(const Database& database, const HistoryPart& part,
                                             const Machine& machine, const std::vector<AlarmState>& alarms);
 
+/// Strokes of another machine differ from those before, too: the log that begins where they change, and does not begin `part`.
+std::optional<RunInfo> LogThatBegins(const Database& database, const HistoryPart& part,
+                                     const StoredChange& change);
+
+/// "The log b.csv begins there, with stroke 154: if it is of another machine, ...".
+std::string AnotherMachineText(const RunInfo& log, const CountedWords& counted);
+
 /// What speaks against taking the strokes on both sides of a change, or those of a stretch and the others, as one.
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted);
 
