@@ -22,7 +22,10 @@ TEST_F(OpenCommand, EndsCleanlyWhenItsTerminalIsClosed) {
   const std::string scratch = File("scratch");
   std::filesystem::create_directory(scratch);
   setenv("TMPDIR", scratch.c_str(), 1);
+  // Behind nohup it is ignored, by what the tests start as well.
+  const auto inherited = std::signal(SIGHUP, SIG_DFL);
   const pid_t program = Start({"open"});
+  std::signal(SIGHUP, inherited);
   unsetenv("TMPDIR");
   for (int k = 0; k < 500 && ReadText(File("stdout")).empty(); ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
