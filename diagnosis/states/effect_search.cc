@@ -37,9 +37,8 @@ class EffectSearch {
     out_.base.held_out = out_.base.fit.HeldOutEnergy();
     out_.base_left = Left(out_.base.fit);
     fits_.emplace(machine_, episodes_, found_.starts_on, options_, out_.base);
-    Search();
-    Prune();
-    RetryFromBetterMinima();
+    SearchAll();
+    if (TakeBaseFromEffects()) SearchAll();
     return true;
   }
 
@@ -82,8 +81,15 @@ class EffectSearch {
     });
   }
 
+  void SearchAll() {
+    Search();
+    Prune();
+    RetryFromBetterMinima();
+  }
+
   void Search() {
-    levels_.push_back({out_.base});
+    levels_.assign(1, {out_.base});
+    ids_.clear();
     out_.final = out_.base;
     out_.final_left = out_.base_left;
     for (const Effect& effect : StateEffectsOf(machine_))
@@ -358,6 +364,26 @@ class EffectSearch {
     out_.final = level.front();
     out_.final_left = Left(out_.final.fit);
     found_.without.clear();
+  }
+
+  /// Where nothing is found the model as it is may stand in a wrong minimum, out of which an effect led that is not worth its name:
+  /// it is fitted from where each that leaves clearly less ended. Whether it leaves clearly less itself then, and effects are to be
+  /// looked for anew.
+  bool TakeBaseFromEffects() {
+    if (!out_.final.added.empty()) return false;
+    const double clearly = (1 - options_.fit.same_minimum) * out_.base.held_out;
+    const auto leaves_less = [&](const StateCandidate& c) { return c.fitted() && c.held_out < clearly; };
+    std::vector<StateCandidate> bases =
+        Each("the model as it is from where effects led", Some(out_.ranking, leaves_less),
+             [this](const StateCandidate& c) { return fits_->Without(c, {}); });
+    std::erase_if(bases, std::not_fn(leaves_less));
+    if (bases.empty()) return false;
+    out_.base = *std::ranges::min_element(bases, {}, &StateCandidate::held_out);
+    out_.base_left = Left(out_.base.fit);
+    out_.warnings.clear();
+    out_.not_seen.clear();
+    found_.without.clear();
+    return true;
   }
 
   /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
