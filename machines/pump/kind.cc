@@ -30,7 +30,7 @@ constexpr std::array<MachineInput, 5> kPumpSignals = {{
                   "xp xc stellkolben stellweg", PlausibleSize{1e-6, 1, PlausibleSize::kTravel}),
 }};
 
-constexpr std::array<MachineInput, 15> kPumpGeometry = {{
+constexpr std::array<MachineInput, 14> kPumpGeometry = {{
     Known("D_max", "m3",
           {"largest displacement, per radian of the shaft", "größtes Fördervolumen, je Radiant der Welle"},
           1e-8, 1e-3, "cm3"),
@@ -65,9 +65,6 @@ constexpr std::array<MachineInput, 15> kPumpGeometry = {{
             {"difference below which flow through an edge is laminar",
              "Druckunterschied, unter dem eine Kante laminar durchströmt wird"},
             1e3),
-    Assumed("v_dry", "m/s",
-            {"speed over which dry friction sets in", "Geschwindigkeit, über die trockene Reibung einsetzt"},
-            1e-2),
 }};
 
 constexpr std::array<MachineParameter, 9> kPumpParameters = {{

@@ -22,12 +22,6 @@ double RoundedOpening(double x, double rounding) {
   return 0.5 * (x + std::sqrt(x * x + rounding * rounding));
 }
 
-/// Dry friction that sets in over a small speed.
-double DryFriction(double force, double speed) {
-  constexpr double kSetsIn = 1e-2;  // m/s
-  return force * std::tanh(speed / kSetsIn);
-}
-
 }  // namespace
 
 const std::vector<PumpFault>& AllPumpFaults() {
@@ -102,11 +96,11 @@ PumpPlant::Rates PumpPlant::RatesAt(const PumpState& s, const PumpDrive& d, doub
           m_.modulus / m_.line_volume * outlet,
           s.v_p,
           (m_.piston_area * s.p_c - m_.piston_spring * s.x_p - m_.piston_damping * s.v_p -
-           DryFriction(f_.swash_bearing, s.v_p)) /
+           f_.swash_bearing * std::tanh(s.v_p / m_.dry_speed)) /
               m_.piston_mass,
           s.v_v,
           (m_.spool_area * (s.p_s + ripple) - spring - d.preload - m_.spool_damping * s.v_v -
-           DryFriction(f_.sticking_spool, s.v_v)) /
+           f_.sticking_spool * std::tanh(s.v_v / m_.dry_speed)) /
               m_.spool_mass};
 }
 

@@ -29,6 +29,7 @@ struct PumpMachine {
   double tank_pressure = 2e5;    ///< Pa
   double gain_drop = 1e7;        ///< Pa, that flow_gain is stated at
   double edge_rounding = 2e-6;   ///< m, of the metering edges
+  double dry_speed = 1e-2;       ///< m/s, over which dry friction sets in
   int pistons = 9;
 };
 

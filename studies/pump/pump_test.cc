@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/constants.h"
 #include "diagnosis/drift/rules.h"
@@ -96,6 +97,41 @@ TEST(PumpStudy, EdgesAreRoundWhereTheRippleShakesTheSpoolOverItsNull) {
   for (Eigen::Index p = 0; p < truth.size(); ++p)
     EXPECT_LT(std::abs(fit.parameters[p] - truth[p]), kNormal95 * std::sqrt(fit.covariance(p, p)))
         << pump.model->parameters[p].name;
+}
+
+/// Dry friction was held to set in over 1e-2 m/s in all pumps: where it does otherwise, functions of the speed of the control piston
+/// predicted what the right law left, and nothing was named.
+TEST(PumpStudy, FrictionOfTheSwashBearingMaySetInOverAnySpeed) {
+  PumpOptions options = RandomPump(41005);
+  options.ripple = 0;
+  options.sensors = {0, 0, 0, 0, options.sensors.flow_lag};
+  options.seconds = 0.4;
+  options.faults.swash_bearing = 120;
+  options.machine.dry_speed = 5e-2;
+  const Machine machine = PumpFile(true);
+  const auto model = BuildStateModel(machine, {"swash_bearing"});
+  ASSERT_TRUE(model) << model.error().text;
+  const auto position = [&](const char* name) {
+    return std::ranges::find((*model)->parameters, name, &StateParameter::name) -
+           (*model)->parameters.begin();
+  };
+  const auto sets_in = position("swash_bearing.v_b");
+  ASSERT_LT(sets_in, (*model)->parameter_count());
+  const Eigen::VectorXd truth = PumpParameters(options);
+  Eigen::VectorXd parameters = truth;
+  parameters.conservativeResize((*model)->parameter_count());
+  for (auto p = truth.size(); p < parameters.size(); ++p)
+    parameters[p] = (*model)->parameters[static_cast<std::size_t>(p)].spec.start;
+  parameters[position("r_e")] = 0.5 * options.machine.edge_rounding;
+  parameters[position("swash_bearing.F_b")] = options.faults.swash_bearing;
+  const Episode episode = PumpEpisode(SimulatePump(options), machine);
+  const auto left = [&](double speed) {
+    parameters[sets_in] = speed;
+    const StateFit fit =
+        FollowStates(*model, std::span(&episode, 1), parameters, Eigen::Vector3d(2e3, 2e3, 2e-6));
+    return fit.solved() ? fit.noise[2] : INFINITY;
+  };
+  EXPECT_LT(left(options.machine.dry_speed), 0.1 * left(1e-2)) << "m, control piston";
 }
 
 /// Some seconds of a random pump of which the outlet pressure alone is measured.
