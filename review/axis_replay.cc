@@ -358,8 +358,9 @@ void AxisReplay::LookForChange(ReplayOutcome& outcome) const {
                        });
   if (!new_now) return;
   const CountedWords counted = CountedWordsOf(machine_);
-  outcome.change = fmt::format("The {} of this database hold a change {}. {}", counted.many,
-                               change->text.english, AnotherMachineText(*log, counted));
+  outcome.stated.unusual.push_back(Tell("The {} of this database hold a change {}. {}",
+                                        "Die {} dieser Datenbank enthalten eine Änderung {}. {}",
+                                        counted.Several(), change->text, AnotherMachineText(*log, counted)));
 }
 
 Status AxisReplay::Report(ReplayOutcome& outcome) {

@@ -126,7 +126,6 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   }
   for (const Told& unusual : outcome.stated.unusual)
     if (!IsNoted(outcome, unusual.english)) text += fmt::format("WARNING: {}\n", unusual.english);
-  if (!outcome.change.empty()) text += fmt::format("WARNING: {}\n", outcome.change);
   for (const AssumedTolerance& assumed : outcome.stated.assumed) text += AssumedText(assumed) + "\n";
   const DisplayUnit unit = UnitOfErrors(outcome.machine);
   if (outcome.stated.figures.clusters.unit != ClusterUnit::kStroke)
@@ -272,7 +271,6 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"parameters", std::move(parameters)},
           {"assumed_tolerances", AssumedJson(outcome.stated.assumed)},
           {"warnings", InEnglish(outcome.stated.unusual)},
-          {"change", JsonOrNull(outcome.change)},
           {"watch", WatchJson(outcome.watch)},
           {"rms_holdout", error(figures.rms_holdout)},
           {"noise_floor", error(figures.noise_floor)},

@@ -69,7 +69,6 @@ struct ReplayOutcome {
   std::vector<SkippedItem> skipped;  ///< over all runs of the machine, and the logs left out now
   std::int64_t strokes = 0;          ///< in the database for this machine
   StatedEstimates stated = {};       ///< what `latest` is stated with
-  std::string change;  ///< of the machine, where a log replayed now begins, sentences; "" = none
 
   bool Complete() const;  ///< nothing was left out, and no log taught nothing
   bool Failed() const;    ///< not one log could be replayed

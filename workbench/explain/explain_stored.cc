@@ -55,7 +55,7 @@ Result<StoredExplanation> ExplainStored(const Database& database, const std::str
   out.change = FindStoredChange(database, part, machine, alarms);
   if (out.change) {
     if (const auto log = LogThatBegins(database, part, *out.change))
-      out.begins = AnotherMachineText(*log, CountedWordsOf(machine));
+      out.begins = AnotherMachineText(*log, CountedWordsOf(machine)).english;
     const Status compared = Compare(database, path, part, machine, out);
     if (compared) return out;
     out.not_compared = compared.error().text;
@@ -73,7 +73,7 @@ std::string ChangeSentence(const StoredExplanation& explanation, const CountedWo
   if (!explanation.change) return "";
   std::string sentence =
       fmt::format("These {} hold a change {}.", counted.many, explanation.change->text.english);
-  if (!explanation.begins.empty()) sentence += " " + explanation.begins;
+  if (!explanation.begins.empty()) sentence += fmt::format(" {}.", explanation.begins);
   if (explanation.sides) return sentence;
   return sentence +
          fmt::format(" They could not be compared ({}); explained as one, so before and after are mixed.",

@@ -424,10 +424,11 @@ std::optional<RunInfo> LogThatBegins(const Database& database, const HistoryPart
   return begins == runs->end() ? std::nullopt : std::optional(*begins);
 }
 
-std::string AnotherMachineText(const RunInfo& log, const CountedWords& counted) {
-  return fmt::format(
-      "The log {} begins there, with {} {}: if it is of another machine, replay it into a database of its own.",
-      log.source, counted.one, log.first_sequence);
+Told AnotherMachineText(const RunInfo& log, const CountedWords& counted) {
+  return Tell(
+      "The log {} begins there, with {} {}: if it is of another machine, replay it into a database of its own",
+      "Das Log {} beginnt dort, mit {} {}: ist es von einer anderen Maschine, gehört es in eine eigene Datenbank",
+      log.source, counted.One(), log.first_sequence);
 }
 
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {

@@ -51,7 +51,7 @@ std::optional<RunInfo> LogThatBegins(const Database& database, const HistoryPart
                                      const StoredChange& change);
 
 /// "The log b.csv begins there, with stroke 154: if it is of another machine, ...".
-std::string AnotherMachineText(const RunInfo& log, const CountedWords& counted);
+Told AnotherMachineText(const RunInfo& log, const CountedWords& counted);
 
 /// What speaks against taking the strokes on both sides of a change, or those of a stretch and the others, as one.
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted);
