@@ -456,7 +456,8 @@ std::vector<std::string> EffectRanking::RivalsInDoubt(const std::vector<RankedEf
   if (set.front() != best.id || IsConfirmed(best.effect)) return set;
   std::vector<std::string> all;
   for (const RankedEffect& other : ranking) {
-    const bool close = other.gain > best.gain - options_.MayRemain(best.gain);
+    const bool close =
+        options_.IsDownToNoise(other.fit) && other.gain > best.gain - options_.MayRemain(best.gain);
     if (Contains(set, other.id) || (other.stands_out && other.lawful && close)) all.push_back(other.id);
   }
   return all;

@@ -79,7 +79,8 @@ class EffectRanking {
   std::vector<std::string> Rivals(const CandidateModel& on, const std::vector<RankedEffect>& ranking,
                                   bool complete) const;
   /// Where another law would explain as much, the first of the ranking is not quite the law, and what decides between it and others
-  /// must be more than a further law may gain: the effects of `set` and those that it does not leave behind by so much, best first.
+  /// must be more than a further law may gain: the effects of `set` and those that leave no more than noise may and fall behind by
+  /// less, best first.
   std::vector<std::string> RivalsInDoubt(const std::vector<RankedEffect>& ranking,
                                          const std::vector<std::string>& set) const;
   /// Of a law that grows with the oil's temperature, effect `at` of `model`: the same law without that (a leak, of one that does), if
