@@ -45,9 +45,10 @@ std::vector<const Stretch*> SomeStretches(std::span<const std::vector<Stretch>> 
   return some;
 }
 
-/// What the floor counts as noise of a stretch taken by itself: contrasts of blocks, then steps of the walk.
+/// A stretch taken by itself: what the floor counts as noise, contrasts of blocks and steps of the walk, and the equations it is
+/// counted for.
 struct CountedNoise {
-  Eigen::RowVectorXd white, walk;
+  Eigen::RowVectorXd white, walk, equations;
 };
 
 CountedNoise NoiseOf(const std::shared_ptr<const ModelStructure>& base, const WindowSamples& window,
@@ -56,7 +57,8 @@ CountedNoise NoiseOf(const std::shared_ptr<const ModelStructure>& base, const Wi
   SpanEquationBuilder builder(base, window);
   const SpanEquations& equations = builder.Build(stretch, 0);
   return {weights.transpose() * equations.noise.leftCols(equations.blocks),
-          weights.transpose() * equations.walk};
+          weights.transpose() * equations.walk,
+          weights.transpose() * equations.integral.leftCols(equations.equations)};
 }
 
 /// The same with white noise of standard deviation `std` on a channel.
@@ -91,8 +93,8 @@ std::string UnitOf(const SignalSpec& spec) {
   return unit ? std::string(unit->si) : std::string();
 }
 
-/// Noise energy over that of the contrasts, as far as it is known; NaN if not.
-double KnownScale(const SignalNoise& noise) {
+/// Energy of a signal's readings over that of their contrasts, as far as it is known; NaN if not.
+double KnownScaleOfReadings(const SignalNoise& noise) {
   const double contrast = noise.std * noise.std;
   switch (noise.kind) {
     case NoiseKind::kUnknown:
@@ -113,15 +115,19 @@ double KnownScale(const SignalNoise& noise) {
   return kUnstated;
 }
 
+/// The same of its noise in the balance.
+double KnownScale(const SignalNoise& noise) { return noise.unseen * KnownScaleOfReadings(noise); }
+
 /// Readings that no sensor gave in their rows.
 bool AreMadeUp(const SignalNoise& noise) {
   return noise.kind == NoiseKind::kInterpolated || noise.kind == NoiseKind::kHeld;
 }
 
 /// Whether KnownScale is the statement of the machine file. What is stated of filtered noise says nothing of
-/// how much of it a block sees.
+/// how much of it a block sees, nor does what is stated of noise that the balance filters.
 bool FromStatement(const SignalNoise& noise) {
-  return noise.kind != NoiseKind::kColoured && !AreMadeUp(noise) && std::isfinite(noise.stated);
+  return noise.unseen == 1 && noise.kind != NoiseKind::kColoured && !AreMadeUp(noise) &&
+         std::isfinite(noise.stated);
 }
 
 /// By how much the signal may change the noise energy of the balance, as a share of it.
@@ -163,15 +169,20 @@ void Conclude(double floor_excess, FloorTrust& trust) {
   if (!trust.believable) trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
 }
 
+/// Of each channel: its share of what the floor counts, and SignalNoise::unseen.
+struct NoiseShares {
+  std::vector<double> share, unseen;
+};
+
 /// Shares of channels whose readings scatter by `std`. What is integrated counts for its part `white_std` alone: what is slower
 /// than the rows may be motion, of a spool say, which is no noise.
-std::vector<double> SharesOf(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
-                             const WindowSamples& window, const Eigen::VectorXd& theta,
-                             std::span<const double> std, std::span<const double> white_std) {
+NoiseShares SharesOf(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                     const WindowSamples& window, const Eigen::VectorXd& theta, std::span<const double> std,
+                     std::span<const double> white_std, double unseen_ratio) {
   const auto base = BaseAlone(model);
   Eigen::VectorXd weights(model.base_count + 1);
   weights << theta.head(model.base_count), -1.0;
-  std::vector<double> energy(std.size(), 0.0);
+  std::vector<double> energy(std.size(), 0.0), in_equations = energy;
   Signs signs;
   for (const Stretch* stretch : SomeStretches(strokes, 2 * window.block)) {
     const CountedNoise measured = NoiseOf(base, window, weights, *stretch);
@@ -183,13 +194,30 @@ std::vector<double> SharesOf(const ModelStructure& model, std::span<const std::v
           white_std[c] == std[c] ? more : WithNoise(base, window, weights, *stretch, c, white_std[c], same);
       const double white = (more.white - measured.white).squaredNorm();
       const double walk = std::max(0.0, integrated.walk.squaredNorm() - measured.walk.squaredNorm());
-      if (std::isfinite(white + walk)) energy[c] += white + walk;
+      if (!std::isfinite(white + walk)) continue;
+      energy[c] += white + walk;
+      in_equations[c] += (more.equations - measured.equations).squaredNorm();
     }
   }
+  NoiseShares out{energy, std::vector<double>(std.size(), 1.0)};
+  for (std::size_t c = 0; c < std.size(); ++c)
+    if (in_equations[c] > unseen_ratio * energy[c] && energy[c] > 0)
+      out.unseen[c] = in_equations[c] / energy[c];
   const double total = std::accumulate(energy.begin(), energy.end(), 0.0);
   if (total > 0)
-    for (double& e : energy) e /= total;
-  return energy;
+    for (double& e : out.share) e /= total;
+  return out;
+}
+
+/// That the balance reads the noise of a signal where no contrast shows it.
+void TellUnseen(SignalNoise& noise) {
+  if (noise.unseen == 1 || !noise.sentence.empty()) return;
+  noise.sentence = Tell(
+      "noise of {} enters the balance through the window of a rate, which hides it from row to row: "
+      "there is about {:.2g} times what rows show",
+      "Rauschen von {} geht durch das Fenster einer Änderungsrate in die Bilanz ein, das es von Zeile zu "
+      "Zeile verbirgt: es ist etwa das {:.2g}-fache dessen, was Zeilen zeigen",
+      noise.name, noise.unseen);
 }
 
 /// Of the readings' scatter what passes for white: energy over pairs of rows less than twice that over rows (WhitePartVariance).
@@ -216,11 +244,13 @@ FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<S
     std[channel] = judged.back().std;
     white[channel] = WhiteStd(judged.back());
   }
-  const std::vector<double> shares = SharesOf(model, strokes, window, theta, std, white);
-  const std::vector<double> as_noise = SharesOf(model, strokes, window, theta, std, std);
+  const NoiseShares shares = SharesOf(model, strokes, window, theta, std, white, options.unseen_ratio);
+  const NoiseShares as_noise = SharesOf(model, strokes, window, theta, std, std, options.unseen_ratio);
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    judged[k].share = shares[channels[k]];
-    DoubtMotion(options.floor_excess, judged[k], as_noise[channels[k]], trust);
+    judged[k].share = shares.share[channels[k]];
+    judged[k].unseen = as_noise.unseen[channels[k]];
+    TellUnseen(judged[k]);
+    DoubtMotion(options.floor_excess, judged[k], as_noise.share[channels[k]], trust);
     if (judged[k].share > 0) trust.signals.push_back(std::move(judged[k]));
   }
   std::ranges::stable_sort(trust.signals,

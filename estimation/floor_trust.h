@@ -43,6 +43,9 @@ struct FloorTrustOptions {
   SignalNoiseOptions signal;
   /// A signal counts if it can change the noise energy of the balance by this share.
   double floor_excess = kFloorExcess;
+  /// Energy of a signal's noise in the equations over that in their contrasts, beyond which the contrasts miss it: what passes the
+  /// window of a rate is smooth from row to row. Less may be scatter of the dozen stretches that tell it.
+  double unseen_ratio = 2;
 };
 
 /// Judges the floor of the base balance `theta` (regression parameters, SI; further entries are not looked

@@ -48,7 +48,9 @@ struct SignalNoise {
   double straight = 0;
   double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
   double share = 1;  ///< of the noise energy of a balance; see JudgeFloor
-  Told sentence;     ///< what is wrong with it, with units; "" if white
+  double unseen =
+      1;  ///< energy that its noise has in a balance over what the balance's contrasts show of it; see JudgeFloor
+  Told sentence;  ///< what is wrong with it, with units; "" if white
 };
 
 /// Thresholds of JudgeSignalNoise.

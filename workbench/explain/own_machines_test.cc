@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iomanip>
 
 #include "diagnosis/subset_search.h"
 #include "workbench/explain/explain_history.h"
@@ -146,6 +147,58 @@ TEST(OwnMachines, TheLawOfADrySealIsProposedToAFileWithoutEffects) {
   EXPECT_EQ(result->explanation.verdict, Verdict::kUnknown);
   ASSERT_FALSE(result->explanation.proposed.empty());
   EXPECT_EQ(result->explanation.proposed.front().expression, "p*sign(ddt(x))");
+}
+
+constexpr const char* kMassOnALoadCell = R"toml([machine]
+name = "mass"
+[log]
+time = { column = "t", unit = "s" }
+[signals]
+x = { column = "x", unit = "m" }
+F = { column = "F", unit = "N" }
+[gate]
+max_stroke = 5
+[window]
+block = 0.05
+span = 1
+half_width = 0.02
+[balance]
+output = "F"
+terms = { m = { expression = "ddt(ddt(x))", unit = "kg" }, b = "ddt(x)" }
+[[effect]]
+id = "drag"
+terms = { k = "ddt(x)*abs(ddt(x))" }
+)toml";
+
+/// A mass of 300 kg moved on sines by a force that is measured; its place is read to 20 um.
+std::string LogOfAMass() {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const std::string path = testing::TempDir() + "mass_" + std::to_string(getpid()) + ".csv";
+  std::ofstream out(path);
+  out << std::setprecision(9) << "t,x,F\n";
+  for (int row = 0; row < 20000; ++row) {
+    const double t = 0.002 * row;
+    double x = 0, v = 0, a = 0;
+    for (const double w : {1.3, 2.9, 4.1}) {
+      x += 0.02 * std::sin(w * t);
+      v += 0.02 * w * std::cos(w * t);
+      a -= 0.02 * w * w * std::sin(w * t);
+    }
+    out << t << ',' << x + 2e-5 * normal(random) << ',' << 300 * a + 800 * v + 0.5 * normal(random) << '\n';
+  }
+  return path;
+}
+
+/// What passes the window of a rate is smooth from row to row: rows show a fraction of its noise.
+TEST(OwnMachines, TheNoiseOfAnAccelerationIsNoMissingEffect) {
+  const Machine machine = ParseMachine(kMassOnALoadCell, "mass.toml").value();
+  auto strokes = ReadStrokes({LogOfAMass()}, machine, KeepSamples::kYes);
+  ASSERT_TRUE(strokes) << strokes.error().text;
+  const auto result = ExplainStrokes(std::move(*strokes));
+  ASSERT_TRUE(result) << result.error().text;
+  EXPECT_EQ(result->explanation.verdict, Verdict::kAdequate);
+  EXPECT_THAT(ExplainText(*result), HasSubstr("noise of x enters the balance through the window of a rate"));
 }
 
 TEST(OwnMachines, ASignalThatComesLateIsTold) {
