@@ -19,6 +19,33 @@ Eigen::MatrixXd SymmetricFactor::SolveColumns(const Eigen::MatrixXd& right) cons
   return factor_.solve(right);
 }
 
+namespace {
+
+/// Of a squared length of 1: columns that differ by less count as the same.
+constexpr double kRidge = 1e-10;
+constexpr double kLeastLength = 1e-300;  // squared
+
+Eigen::VectorXd ScalesOf(const Eigen::MatrixXd& products) {
+  return products.diagonal().cwiseMax(kLeastLength).cwiseSqrt().cwiseInverse();
+}
+
+Eigen::MatrixXd Scaled(const Eigen::MatrixXd& products, const Eigen::VectorXd& scale) {
+  Eigen::MatrixXd scaled = scale.asDiagonal() * products * scale.asDiagonal();
+  scaled.diagonal().array() += kRidge;
+  return scaled;
+}
+
+}  // namespace
+
+ScaledFactor::ScaledFactor(const Eigen::MatrixXd& products)
+    : scale_(ScalesOf(products)), factor_(Scaled(products, scale_)) {}
+Eigen::VectorXd ScaledFactor::Solve(const Eigen::VectorXd& right) const {
+  return scale_.cwiseProduct(factor_.Solve(scale_.cwiseProduct(right)));
+}
+Eigen::MatrixXd ScaledFactor::SolveColumns(const Eigen::MatrixXd& right) const {
+  return scale_.asDiagonal() * factor_.SolveColumns(scale_.asDiagonal() * right);
+}
+
 double EnergyLeft(const Eigen::MatrixXd& products) {
   const Eigen::Index last = products.rows() - 1;
   Eigen::MatrixXd own = products.topLeftCorner(last, last);

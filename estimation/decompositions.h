@@ -28,6 +28,20 @@ class SymmetricFactor {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
+/// The same of products of columns with one another, positive semidefinite, each column brought to length 1 before: what one is
+/// measured in changes no pivot. Columns that say the same as others get a share of what both say.
+class ScaledFactor {
+ public:
+  explicit ScaledFactor(const Eigen::MatrixXd& products);
+
+  Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
+  Eigen::MatrixXd SolveColumns(const Eigen::MatrixXd& right) const;
+
+ private:
+  Eigen::VectorXd scale_;  ///< of each column
+  SymmetricFactor factor_;
+};
+
 /// Energy of what a regression on the other columns leaves of the last one, from products of all with all.
 double EnergyLeft(const Eigen::MatrixXd& products);
 

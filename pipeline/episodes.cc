@@ -107,8 +107,8 @@ Status JudgeAbsent(const std::string& log, const Machine& machine, const std::ve
   return {};
 }
 
-constexpr double kToldStuck =
-    0.01;  ///< share of the rows of a log from which on an output that stood is told of
+/// Share of the rows of a log from which on an output that stood is told of.
+constexpr double kToldStuck = 0.01;
 
 /// Warns of outputs that stood while their rows are left out.
 void TellStuck(const Machine& machine, const std::vector<int>& outputs, const SampleBlock& rows,

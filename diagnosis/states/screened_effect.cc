@@ -162,14 +162,9 @@ class EffectScreen {
       sums += ColumnProducts(TangentColumns(near_, episodes_[e], e, added, {&near_.residuals[e]}));
     }
     std::vector<Score> scores(draws_.size());
-    const Eigen::MatrixXd own = sums.topLeftCorner(parameters, parameters);
-    const Eigen::VectorXd size = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd scaled = size.asDiagonal() * own * size.asDiagonal();
-    scaled.diagonal().array() += 1e-10;
     const Eigen::MatrixXd weights =
         parameters > 0
-            ? Eigen::MatrixXd(size.asDiagonal() * PositiveFactor(scaled).SolveColumns(
-                                                      size.asDiagonal() * sums.topRows(parameters)))
+            ? ScaledFactor(sums.topLeftCorner(parameters, parameters)).SolveColumns(sums.topRows(parameters))
             : Eigen::MatrixXd(0, all);
     const Eigen::MatrixXd rest = sums - sums.leftCols(parameters) * weights;
     energy = rest(all - 1, all - 1);

@@ -68,12 +68,7 @@ std::vector<double> EnergiesWith(const Products& products, Eigen::Index column) 
 class Correlation {
  public:
   explicit Correlation(const Products& products) : total_(products.total), own_(products.parameters) {
-    Eigen::MatrixXd information = total_.topLeftCorner(own_, own_);
-    const Eigen::VectorXd size = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    information = size.asDiagonal() * information * size.asDiagonal();
-    information.diagonal().array() += 1e-10;
-    by_parameters_ = size.asDiagonal() *
-                     SymmetricFactor(information).SolveColumns(size.asDiagonal() * total_.topRows(own_));
+    by_parameters_ = ScaledFactor(total_.topLeftCorner(own_, own_)).SolveColumns(total_.topRows(own_));
   }
   double Squared(Eigen::Index a, Eigen::Index b) const {
     const double both = Product(a, b);

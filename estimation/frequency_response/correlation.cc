@@ -26,6 +26,8 @@ constexpr double kTransientShare = 0.4;     // of a hold, left out where nothing
 // A block further from the mean of those behind it belongs to the transient.
 constexpr double kTransientStd = 5;
 constexpr double kResponseStd = 4;  // a response is one beyond so many standard deviations of its noise
+// What may be left of the transient: a part of the noise, within shares of the response.
+constexpr double kTransientOfNoise = 0.1, kLeastTransient = 1e-6, kMostTransient = 0.07;
 
 /// Variance of the ratio (real and imaginary part together) if both residuals are white.
 double WhiteVariance(const HeldSineSums::Fits& pair) {
@@ -42,7 +44,8 @@ double SettleSamples(const HeldSineSums& sums, const HeldSine& held, const Settl
   const auto middle = held.begin + static_cast<std::size_t>(kTransientShare * hold);
   const HeldSineSums::Fits pair = sums.Fit(middle, held.end);
   const double noise = std::sqrt(pair.output.residual_variance / static_cast<double>(pair.output.samples));
-  const double share = std::clamp(0.1 * noise / std::abs(pair.output.fundamental()), 1e-6, 0.07);
+  const double share = std::clamp(kTransientOfNoise * noise / std::abs(pair.output.fundamental()),
+                                  kLeastTransient, kMostTransient);
   return std::max(0.0, settle.dead_time) + settle.time_constant * std::log(1 / share) + 1;
 }
 

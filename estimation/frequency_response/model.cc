@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -25,6 +26,7 @@ using Matrix4 = Eigen::Matrix4d;
 
 // Above, the second pole lies a hundred times above the first: the response is of first order for any sweep.
 constexpr double kLargestDamping = 5;
+constexpr double kLeastDamping = 0.01;  // of a start
 
 constexpr double kManyDegrees = 1e6;    // of freedom, at which Student's t is a normal distribution
 constexpr double kIndependent = 1e-12;  // least eigenvalue of scaled normal equations that points determine
@@ -52,15 +54,21 @@ bool SquaredGainStart(const FitProblem& problem, double& omega_0, double& dampin
   if (!(theta(1) > 0) || !(theta(2) > 0)) return false;
   omega_0 = scale / std::pow(theta(1), 0.25);
   const double damping_squared = (2 - theta(0) / std::sqrt(theta(1))) / 4;
-  damping = std::sqrt(std::max(damping_squared, 1e-4));
+  damping = std::max(std::sqrt(std::max(damping_squared, 0.0)), kLeastDamping);
   return std::isfinite(omega_0);
 }
+
+/// Starting points are taken from a grid: natural frequencies from the lowest point over `kGridBefore` to the highest times `kGridBeyond`.
+constexpr double kGridBefore = 2, kGridBeyond = 6, kGridStep = 1.3;
+constexpr std::array kDampings = {0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 3.0};
+constexpr std::size_t kStarts = 5;
 
 /// The few best starting points, best first.
 std::vector<Vector4> Starts(const FitProblem& problem) {
   std::vector<std::pair<double, Vector4>> candidates;
-  for (double omega_0 = problem.lowest() / 2; omega_0 <= 6 * problem.highest(); omega_0 *= 1.3) {
-    for (const double damping : {0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 3.0}) {
+  const double last = kGridBeyond * problem.highest();
+  for (double omega_0 = problem.lowest() / kGridBefore; omega_0 <= last; omega_0 *= kGridStep) {
+    for (const double damping : kDampings) {
       const Vector4 p = problem.Complete(omega_0, damping);
       candidates.emplace_back(problem.Cost(p), p);
     }
@@ -69,7 +77,7 @@ std::vector<Vector4> Starts(const FitProblem& problem) {
   std::vector<Vector4> starts;
   double omega_0 = 0, damping = 0;
   if (SquaredGainStart(problem, omega_0, damping)) starts.push_back(problem.Complete(omega_0, damping));
-  for (std::size_t i = 0; i < candidates.size() && starts.size() < 5; ++i)
+  for (std::size_t i = 0; i < candidates.size() && starts.size() < kStarts; ++i)
     starts.push_back(candidates[i].second);
   return starts;
 }

@@ -181,12 +181,8 @@ std::vector<double> HeldOutEnergies(std::span<const StatePiece> pieces) {
       energies.push_back(piece.energy);
       continue;
     }
-    Eigen::MatrixXd rest = information - piece.information;
-    const Eigen::VectorXd size = rest.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    rest = size.asDiagonal() * rest * size.asDiagonal();
-    rest.diagonal().array() += 1e-10;
     const Eigen::VectorXd change =
-        size.cwiseProduct(SymmetricFactor(rest).Solve(size.cwiseProduct(gradient - piece.gradient)));
+        ScaledFactor(information - piece.information).Solve(gradient - piece.gradient);
     // Errors of the piece after the change: r - J change.
     energies.push_back(std::max(
         0.0, piece.energy - 2 * piece.gradient.dot(change) + change.dot(piece.information * change)));

@@ -40,10 +40,7 @@ std::vector<StatePiece> WithSlope(const StateFit& fit, const std::vector<Eigen::
 
 /// The last parameter of a regression over pieces.
 double LastOf(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient) {
-  const Eigen::VectorXd size = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = size.asDiagonal() * information * size.asDiagonal();
-  scaled.diagonal().array() += 1e-10;
-  return size.cwiseProduct(SymmetricFactor(scaled).Solve(size.cwiseProduct(gradient)))[size.size() - 1];
+  return ScaledFactor(information).Solve(gradient)[gradient.size() - 1];
 }
 
 /// The slope, and its standard error from leaving out each piece in turn (jackknife; Efron and Tibshirani 1993, 11).
