@@ -129,10 +129,16 @@ int ExpressionGraph::Derivative(int value, int input) {
   return derivative;
 }
 
-/// a^b: b a^(b-1) a' + a^b ln(a) b'.
+/// a^b: b a^(b-1) a' + a^b ln(a) b', the former 0 at a = 0, where it has no end if b is below 1.
 int ExpressionGraph::ChainOfPower(const GraphValue& v, int self, int da, int db) {
+  const auto unless_zero = [&](int slope) {
+    const GraphValue& exponent = values_[static_cast<std::size_t>(v.b)];
+    if (IsZero(slope) || (exponent.operation == Operation::kConstant && exponent.constant >= 1)) return slope;
+    const int zero = Constant(0), moved = Value(Operation::kNotEqual, v.a, zero, v.a);
+    return Value(Operation::kSelect, moved, slope, zero);
+  };
   const int lower = Value(Operation::kSubtract, v.b, Constant(1), v.b);
-  const int by_base = IsZero(da) ? da : Product(Product(v.b, Power(v.a, lower)), da);
+  const int by_base = IsZero(da) ? da : unless_zero(Product(Product(v.b, Power(v.a, lower)), da));
   if (IsZero(db)) return by_base;
   const int log = Value(Operation::kLn, v.a, v.a, v.a);
   const int positive = Value(Operation::kGreater, v.a, Constant(0), v.a);

@@ -65,7 +65,7 @@ struct GraphValue {
 /// value give new values of the same graph, and those that are zero vanish.
 ///
 /// Where a function has no derivative it has that of one side: abs and sign 0 at 0, min and max that of the argument
-/// taken, sqrt, and a power with respect to its exponent, 0 at 0.
+/// taken, sqrt, and a power with respect to its exponent, or to its base unless the exponent is a constant of 1 or more, 0 at 0.
 class ExpressionGraph {
  public:
   /// The value of an expression without ddt. `input_of` has the number of every name in it.

@@ -67,6 +67,10 @@ TEST(ExpressionProgram, WhatHasNoDerivativeHasThatOfOneSide) {
   EXPECT_EQ(SlopeOf("abs(x)", 0, 0).by_x, 0);
   EXPECT_EQ(SlopeOf("x^y", 0, 2).by_y, 0);
   EXPECT_EQ(SlopeOf("x^y", 0, 2).by_x, 0);
+  for (const char* root : {"x^0.5", "max(x, 0)^0.5", "x^y", "max(x, 0)^y"})
+    EXPECT_EQ(SlopeOf(root, 0, 0.5).by_x, 0) << root << ": as that of sqrt";
+  for (const char* root : {"max(x, 0)^0.5", "max(x, 0)^y"})
+    EXPECT_EQ(SlopeOf(root, -1, 0.5).by_x, 0) << root << ": a tank that is empty";
   EXPECT_EQ(SlopeOf("min(x, y)", 1, 1).by_x, 1);
 }
 
