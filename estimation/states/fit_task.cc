@@ -134,11 +134,38 @@ bool SameEnd(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen:
   return Apart(scale, a, b).value_or(0) < kElsewhere;
 }
 
+namespace {
+
+/// Whether a run stopped for steps that had become too short, not for a state that had run away or a rate that is no number at the
+/// very beginning.
+bool StoppedInPlace(const Task& task, const StateRun& run) {
+  constexpr double kFurther = 2;  // times what states had been before, or their sizes: no flight yet
+  const auto states = run.states.topRows(run.rows);
+  if (run.rows <= 1 && run.end.transpose() == states.row(0)) return false;
+  const Eigen::VectorXd before =
+      states.cwiseAbs().colwise().maxCoeff().transpose().cwiseMax(task.state_scale);
+  return (run.end.array().abs() <= kFurther * before.array()).all();
+}
+
+}  // namespace
+
 Told DivergedText(const Task& task, const Eigen::VectorXd& theta) {
   for (const Episode& episode : task.episodes) {
     StateRun run;
     Trial(task, theta, episode, run);
     if (!run.diverged) continue;
+    if (StoppedInPlace(task, run))
+      return Tell(
+          "the model cannot be followed: from the starting values of the machine file steps become too short {:.4g} s after the "
+          "episode's beginning. Rates may jump to and fro there, as sign(v) of a dry friction that holds what rests (write "
+          "tanh(v/v_0) in its place, v_0 a small speed), a root or a quotient may end (limit it with max(..., 0)), or something "
+          "moves far faster than rows show (narrow the ranges in [parameters])",
+          "dem Modell lässt sich nicht folgen: von den Startwerten der Maschinendatei aus werden die Schritte {:.4g} s nach "
+          "Beginn der Episode zu kurz. Dort springen vielleicht Änderungsraten hin und her, wie sign(v) einer trockenen Reibung, "
+          "die hält, was ruht (tanh(v/v_0) an ihrer Stelle schreiben, v_0 eine kleine Geschwindigkeit), eine Wurzel oder ein "
+          "Quotient endet (mit max(..., 0) begrenzen), oder etwas bewegt sich weit schneller, als Zeilen zeigen (die Bereiche in "
+          "[parameters] enger fassen)",
+          episode.time[run.rows - 1] - episode.time.front());
     if (run.rows <= 1)
       return {
           "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
