@@ -315,7 +315,7 @@ void StatesExplanation::AddRival(StateCandidate rival) {
     return Contains(ids, id);
   };
   for (const std::string& id : rival.added) {
-    if (holds(set, id)) continue;
+    if (holds(set, id) || holds(nearest, id)) continue;  // named, or left out of what is
     const auto group = std::find_if(groups.begin(), groups.end(),
                                     [&](const auto& g) { return !holds(rival.added, g.front()); });
     if (group == groups.end()) continue;

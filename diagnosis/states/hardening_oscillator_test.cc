@@ -53,6 +53,7 @@ struct Spring {
   double k5 = 0;             ///< 1/s2
   double q = 0;              ///< drag
   double stop = 0, gap = 0;  ///< 1/s2, beyond +-gap
+  double above = 0;          ///< 1/s2, beyond a half on one side alone
 };
 
 /// Rows at 610 Hz under noise of the input to 150 Hz, sensor noise of 0.5 %.
@@ -74,7 +75,8 @@ Episode OscillatorLog(const Spring& spring, int rows, unsigned seed) {
   const auto push = [&](double at, double speed, double u) {
     return spring.w0 * spring.w0 * (u - at) - spring.d * speed - spring.k3 * at * at * at -
            spring.k2 * at * at - spring.k5 * std::pow(at, 5) - spring.q * speed * std::abs(speed) -
-           spring.stop * (at - std::clamp(at, -spring.gap, spring.gap));
+           spring.stop * (at - std::clamp(at, -spring.gap, spring.gap)) -
+           spring.above * std::max(at - 0.5, 0.0);
   };
   for (int row = 0; row < rows; ++row) {
     episode.signal(row, 1) = x + 0.006 * normal(random);
@@ -131,6 +133,23 @@ TEST(ExplainStates, NamesALawBesideWhichASmallOneIsMissing) {
   EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
   EXPECT_TRUE(x.partial);
   EXPECT_GT(x.unexplained, 0.02);
+}
+
+/// A spring that hardens, and a small law on one side that no file has: a square beside the cube takes it up, which is no reason to
+/// give the cube's name away.
+TEST(ExplainStates, ACubeStandsBesideACubeAndASquareThatTakeUpASmallLaw) {
+  std::string file = kOscillator;
+  const std::size_t quadratic = file.find("[[effect]]\nid = \"quadratic\""), drag = file.rfind("[[effect]]");
+  file.replace(quadratic, drag - quadratic, R"toml([[effect]]
+id = "uneven"
+adds = { v = "-k2*x^2 - k3*x^3" }
+parameters = { k2 = { start = 1e3, min = -1e6, max = 1e6 }, k3 = { start = 1e4, min = 0, max = 1e6 } }
+)toml");
+  Spring spring{362, 34, 1e4, 0, 1};
+  spring.above = 1500;
+  const StatesExplanation x = Explained(OscillatorLog(spring, 1500, 7), file);
+  EXPECT_THAT(x.set, testing::UnorderedElementsAre("cubic", "uneven"));
+  EXPECT_EQ(x.verdict, Verdict::kAmbiguous);
 }
 
 /// A file with a stop in place of the spring that hardens; `adds`: to further equations.

@@ -123,7 +123,7 @@ class SearchConclusion {
       const std::vector<double>& with_effect = specificity.with_effect();
       const double removed = without.held_out - std::accumulate(with_effect.begin(), with_effect.end(), 0.0);
       if (compare_.HardlyWorse(best->energies, with_effect, removed, EvidenceOf(out_.final)))
-        return NotToldFrom(id, best->named);
+        return NotToldFrom({id, id}, best->named);
     }
     return MayHideGeneralLaw() ? BetterGeneralLaw(found_, id) : std::nullopt;
   }
@@ -215,15 +215,34 @@ class SearchConclusion {
       out_.set = std::move(named);
   }
 
+  /// Whether a set of fewer parameters leaves next to nothing more than the set found, and what that has beyond it is weak, and no
+  /// better than a function that is no effect of the machine file: beside a cube a small law more looks like the square of a spring
+  /// that is not even.
+  bool DiffersByNoLaw(const StateCandidate& simpler) {
+    const StateCandidate& best = out_.final;
+    if (simpler.fit.parameters.size() >= best.fit.parameters.size()) return false;
+    if (simpler.held_out - best.held_out > options_.rival_share * RemovedBeyondShared(simpler)) return false;
+    const Specificity specificity(simpler.fit, best.fit, episodes_, options_.specificity);
+    const Specificity::Function* like = specificity.Best();
+    if (like == nullptr) return false;
+    const std::vector<double>& with = specificity.with_effect();
+    const double removed = simpler.held_out - std::accumulate(with.begin(), with.end(), 0.0);
+    if (!compare_.HardlyWorse(like->energies, with, removed, EvidenceOf(best))) return false;
+    out_.warnings.push_back(NotToldFrom(InPlaceOf(best.added, simpler.added), like->named));
+    return true;
+  }
+
   /// Rivals of the set found: of the same size, and hardly worse.
   std::vector<StateCandidate> Rivals() {
     std::vector<StateCandidate> rivals;
     if (levels_.size() < 2) return rivals;
     const StateCandidate& best = out_.final;
     for (const StateCandidate& other : levels_.back())
-      if (other.added != best.added && compare_.NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
-          !(other.fit.parameters.size() > best.fit.parameters.size() &&
-            SameLaw(out_.base.fit, best, other, episodes_, options_.same_law)))
+      if (other.added != best.added &&
+          ((compare_.NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
+            !(other.fit.parameters.size() > best.fit.parameters.size() &&
+              SameLaw(out_.base.fit, best, other, episodes_, options_.same_law))) ||
+           DiffersByNoLaw(other)))
         rivals.push_back(other);
     return rivals;
   }

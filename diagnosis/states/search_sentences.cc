@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/contains.h"
 #include "core/short_number.h"
 
 namespace hydroscope {
@@ -60,7 +61,15 @@ Told MoreIsSlow(double share) {
       share);
 }
 
-Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
+Told InPlaceOf(const std::vector<std::string>& set, const std::vector<std::string>& other) {
+  const auto alone = [](std::vector<std::string> ids, const std::vector<std::string>& but) {
+    std::erase_if(ids, [&](const std::string& id) { return Contains(but, id); });
+    return fmt::format("{}", fmt::join(ids, ", "));
+  };
+  return Tell("{} in place of {}", "{} anstelle von {}", alone(set, other), alone(other, set));
+}
+
+Told NotToldFrom(const Told& effect, const LikeFunction& like) {
   return Tell(
       "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} that is "
       "no effect of the machine file explains as much. To tell them apart, excite the machine more strongly or record for "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/told.h"
 #include "diagnosis/states/general_laws.h"
@@ -21,7 +22,9 @@ Told MayBeMissing(const StateRemainder& left);
 /// What is left is no noise of sensors; `share`: of what was found.
 Told MoreIsSlow(double share);
 /// A weak effect that a function without a name could stand in for.
-Told NotToldFrom(const std::string& effect, const LikeFunction& like);
+Told NotToldFrom(const Told& effect, const LikeFunction& like);
+/// Effects of the one set that the other has not, in place of those of the other.
+Told InPlaceOf(const std::vector<std::string>& set, const std::vector<std::string>& other);
 /// A law that the file does not name does better than the effect.
 Told NotToldFromGeneral(const std::string& effect, const GeneralLaw& law);
 /// A law that the file does not name takes away much beside what was found; `share`: of what both do.
