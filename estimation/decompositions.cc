@@ -29,7 +29,7 @@ Eigen::VectorXd ScalesOf(const Eigen::MatrixXd& products) {
   return products.diagonal().cwiseMax(kLeastLength).cwiseSqrt().cwiseInverse();
 }
 
-Eigen::MatrixXd Scaled(const Eigen::MatrixXd& products, const Eigen::VectorXd& scale) {
+Eigen::MatrixXd WithRidge(const Eigen::MatrixXd& products, const Eigen::VectorXd& scale) {
   Eigen::MatrixXd scaled = scale.asDiagonal() * products * scale.asDiagonal();
   scaled.diagonal().array() += kRidge;
   return scaled;
@@ -38,7 +38,7 @@ Eigen::MatrixXd Scaled(const Eigen::MatrixXd& products, const Eigen::VectorXd& s
 }  // namespace
 
 ScaledFactor::ScaledFactor(const Eigen::MatrixXd& products)
-    : scale_(ScalesOf(products)), factor_(Scaled(products, scale_)) {}
+    : scale_(ScalesOf(products)), factor_(WithRidge(products, scale_)) {}
 Eigen::VectorXd ScaledFactor::Solve(const Eigen::VectorXd& right) const {
   return scale_.cwiseProduct(factor_.Solve(scale_.cwiseProduct(right)));
 }
