@@ -45,8 +45,7 @@ std::vector<const Stretch*> SomeStretches(std::span<const std::vector<Stretch>> 
   return some;
 }
 
-/// A stretch taken by itself: what the floor counts as noise, contrasts of blocks and steps of the walk, and the equations it is
-/// counted for.
+/// Of a stretch taken by itself: what the floor counts as noise (contrasts of blocks, steps of the walk), and its equations.
 struct CountedNoise {
   Eigen::RowVectorXd white, walk, equations;
 };

@@ -28,8 +28,7 @@ class AxisReplay {
 
   /// Replays the logs into the database.
   Status Store(ReplayOutcome& outcome);
-  /// Warns of strokes that change where a log replayed now begins, which may be those of another machine; after WatchOutcome::alarms
-  /// are known.
+  /// Warns of strokes that change where a log replayed now begins: they may be another machine's. Needs WatchOutcome::alarms.
   void LookForChange(ReplayOutcome& outcome) const;
   /// Writes the page, if one is asked for.
   Status Report(ReplayOutcome& outcome);

@@ -136,8 +136,7 @@ bool SameEnd(const ParameterScale& scale, const Eigen::VectorXd& a, const Eigen:
 
 namespace {
 
-/// Whether a run stopped for steps that had become too short, not for a state that had run away or a rate that is no number at the
-/// very beginning.
+/// Whether a run stopped for steps that had become too short: no state had run away, and rates were numbers from the beginning.
 bool StoppedInPlace(const Task& task, const StateRun& run) {
   constexpr double kFurther = 2;  // times what states had been before, or their sizes: no flight yet
   const auto states = run.states.topRows(run.rows);
